@@ -1,0 +1,1 @@
+"""Cross-validation of ball-and-beam models and engines against recordings."""

@@ -1,0 +1,45 @@
+"""What is watched while an engine runs, and the ways in which a run can fail. A failure's text is advice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Failure(StrEnum):
+    """Why a run cannot be trusted; the value is what the user should do about it."""
+
+    LEFT_GROOVE = "the ball left the groove; check the start position, a jump in the angle, or lower the time step"
+    LOST_CONTACT = "the ball does not touch both edges; lower the time step or make the contact stiffer"
+    SLIPPED = "the ball slid instead of rolling; raise the friction coefficient"
+    NOT_FINITE = "a state is not a finite number; lower the time step or make the contact softer"
+    RESET = "the engine reset its state (bad acceleration); lower the time step or make the contact softer"
+    FROZEN = "the engine repeated its state although time went on; lower the time step"
+    RAN_OFF = "the ball ran past the end of the rails; check the level angle and the start state"
+
+
+@dataclass(frozen=True)
+class Health:
+    """Extremes met during a run.
+
+    Attributes:
+        contacts_min: fewest contacts ball–beam in any checked step.
+        contacts_max: most contacts.
+        normal_force_min: smallest sum of normal forces' components normal to the edge plane [N].
+        height_error_max: largest |height of the ball's centre above the edge plane − r| [m].
+        lateral_offset_max: largest |y| of the ball's centre [m].
+        slip_max: largest |ṡ − r (φ̇ − α̇)| after the first step [m/s].
+        angle_error_max: largest |beam angle in the engine − angle asked for| [rad].
+        steps: number of steps taken.
+        warnings: what the engine itself complained of.
+    """
+
+    contacts_min: int
+    contacts_max: int
+    normal_force_min: float
+    height_error_max: float
+    lateral_offset_max: float
+    slip_max: float
+    angle_error_max: float
+    steps: int
+    warnings: tuple[str, ...] = ()

@@ -1,0 +1,73 @@
+"""What every engine offers: contact parameters with names and bounds, and a driven run with its health."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
+from analytic.rig import Rig
+from harness.engines.health import Health
+
+
+class EngineParameters(BaseModel):
+    """Settings of one engine. Field names are what the user types (`--set mujoco.friction=0.3`); each field has a
+    description with its unit, a default that reaches the validated accuracy, and bounds."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    time_step: float = Field(1e-3, gt=0.0, le=0.02, description="integration step [s]")
+
+
+@dataclass(frozen=True)
+class EngineRun:
+    """What an engine returns.
+
+    Attributes:
+        trajectory: at exactly the time stamps asked for.
+        rolled_angle: φ − α, the angle by which the ball turned relative to the beam since the start, shape (n,)
+            [rad]; for pure rolling it is (s − s₀)/r.
+        health: what was watched on the way; a run that fails raises instead.
+    """
+
+    trajectory: Trajectory
+    rolled_angle: FloatArray
+    health: Health
+
+
+class Engine(Protocol):
+    """A physics engine that drives the beam exactly and lets the ball roll."""
+
+    name: str
+    parameters: type[EngineParameters]
+
+    def version(self) -> str:
+        """Version of the engine, for the manifest."""
+        ...
+
+    def run(
+        self,
+        rig: Rig,
+        motion: BeamMotion,
+        start: State,
+        time: FloatArray,
+        *,
+        parameters: EngineParameters | None = None,
+        force: BallForce | None = None,
+    ) -> EngineRun:
+        """Drive the beam with `motion` and follow the ball.
+
+        Args:
+            rig: the rig; `level_angle` tilts gravity.
+            motion: beam angle, asked on the engine's own grid from `time[0]` to `time[-1]`.
+            start: ball state at `time[0]`, rolling without slip.
+            time: stamps at which the ball is wanted, shape (n,), strictly increasing, uneven is fine [s].
+            parameters: settings, `None` for the defaults.
+            force: extra force along the beam on the ball's centre, evaluated every step.
+
+        Raises:
+            EngineFailure: the run cannot be trusted (see `harness.engines.health`).
+        """
+        ...

@@ -1,0 +1,33 @@
+"""The errors a user meets. Each carries one message that says what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+
+class HarnessError(Exception):
+    """Base of all errors meant for the user; `exit_code` is what the command returns."""
+
+    exit_code = 2
+
+
+class InputError(HarnessError):
+    """Bad use or bad input: a file, a value or a name that cannot be worked with (exit code 2)."""
+
+    exit_code = 2
+
+
+class EngineFailure(HarnessError):
+    """A physics engine gave no trustworthy trajectory (exit code 3).
+
+    Attributes:
+        engine: name of the engine.
+        failure: what went wrong, one of the values of `harness.engines.health.Failure`.
+        time: when, in the recording's time [s].
+    """
+
+    exit_code = 3
+
+    def __init__(self, engine: str, failure: object, time: float, detail: str) -> None:
+        self.engine = engine
+        self.failure = failure
+        self.time = time
+        super().__init__(f"{engine} failed at t = {time:.3f} s: {detail}")
