@@ -1,0 +1,107 @@
+"""The engines by name, and their settings as a user gives them: `mujoco.friction=0.3` or a TOML table."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from harness.engines.protocol import Engine, EngineParameters
+from harness.errors import InputError
+
+# Imported on demand: an engine that is not used need not be installed.
+_CLASSES = {
+    "mujoco": ("harness.engines.mujoco", "MuJoCo"),
+    "pybullet": ("harness.engines.pybullet", "PyBullet"),
+    "dart": ("harness.engines.dart", "Dart"),
+}
+ENGINES = tuple(_CLASSES)
+DEFAULT_ENGINES = ("mujoco", "pybullet")
+
+
+def engine_of(name: str) -> Engine:
+    """The engine of this name.
+
+    Raises:
+        InputError: there is none, or its package is not installed.
+    """
+    if name not in _CLASSES:
+        raise InputError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+    module, attribute = _CLASSES[name]
+    engine: Engine = getattr(importlib.import_module(module), attribute)()
+    return engine
+
+
+def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Settings per engine from a TOML file (one table an engine) and from `engine.name=value` texts, which win.
+
+    Raises:
+        InputError: unreadable file, unknown engine, or a text that is no assignment.
+    """
+    settings: dict[str, dict[str, Any]] = {}
+    if file is not None:
+        try:
+            tables = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+        except OSError as error:
+            raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{file}: not valid TOML: {error}") from error
+        for engine, table in tables.items():
+            if not isinstance(table, Mapping):
+                raise InputError(f"{file}: {engine} is no table; write [{DEFAULT_ENGINES[0]}] above its settings")
+            settings.setdefault(_known(engine), {}).update(table)
+    for text in assignments:
+        name, equals, value = text.partition("=")
+        engine, dot, parameter = name.strip().partition(".")
+        if not (equals and dot and parameter):
+            raise InputError(f"--set {text}: write engine.parameter=value, as in mujoco.friction=0.3")
+        settings.setdefault(_known(engine), {})[parameter] = _value(value.strip())
+    return settings
+
+
+def parameters_of(engine: Engine, settings: Mapping[str, Any]) -> EngineParameters:
+    """The engine's parameters with `settings` applied.
+
+    Raises:
+        InputError: unknown name (the message lists those that exist), or a value out of bounds.
+    """
+    fields = engine.parameters.model_fields
+    for name in settings:
+        if name not in fields:
+            near = difflib.get_close_matches(name, fields, n=1)
+            hint = f" Did you mean {near[0]!r}?" if near else ""
+            raise InputError(f"{engine.name} has no parameter {name!r}.{hint} There are: {', '.join(fields)}.")
+    try:
+        return engine.parameters(**settings)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = ".".join((engine.name, *map(str, first["loc"])))
+        given = "" if not first["loc"] else f" (given: {first['input']!r})"
+        raise InputError(f"{name}: {first['msg'].removeprefix('Value error, ')}{given}") from error
+
+
+def describe(engine: Engine) -> list[tuple[str, str, str]]:
+    """Name, default and description of every parameter of `engine`, for help texts."""
+    return [
+        (f"{engine.name}.{name}", str(field.default), field.description or "")
+        for name, field in engine.parameters.model_fields.items()
+    ]
+
+
+def _known(engine: str) -> str:
+    if engine not in _CLASSES:
+        raise InputError(f"there is no engine {engine!r} to set a parameter of; there are {', '.join(ENGINES)}")
+    return engine
+
+
+def _value(text: str) -> Any:
+    """A TOML value; what is none is taken as a text."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text

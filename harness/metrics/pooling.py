@@ -1,0 +1,47 @@
+"""How sure a figure pooled over windows is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import stats
+
+from analytic.motion import FloatArray
+
+RESAMPLES = 2000  # the standard error is then itself known to 1/√(2·2000) = 1.6 %
+
+
+def rms_standard_error(errors: Sequence[FloatArray], *, seed: int = 0) -> float:
+    """Standard error of the RMS pooled over windows, by resampling whole windows (B. Efron's bootstrap).
+
+    Errors within a window share a start and drift together, so single stamps are no independent draws; windows are, as
+    far as the models were restarted in each. A cause that outlasts a window correlates neighbours too: the figure is
+    then somewhat small.
+
+    Args:
+        errors: one array a window, of any lengths > 0 [m].
+        seed: of the resampling; the same errors give the same figure.
+
+    Returns:
+        in the unit of `errors`; NaN for fewer than two windows or errors that are not finite.
+    """
+    squares = np.array([np.sum(np.square(error)) for error in errors])
+    counts = np.array([error.size for error in errors], dtype=np.float64)
+    if len(errors) < 2 or not np.all(np.isfinite(squares)):
+        return np.nan
+
+    def pooled_rms(squares: FloatArray, counts: FloatArray, axis: int) -> FloatArray:
+        pooled: FloatArray = np.sqrt(np.sum(squares, axis=axis) / np.sum(counts, axis=axis))
+        return pooled
+
+    result = stats.bootstrap(
+        (squares, counts),
+        pooled_rms,
+        paired=True,
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        method="percentile",
+        rng=np.random.default_rng(seed),
+    )
+    return float(result.standard_error)

@@ -1,0 +1,1 @@
+"""Tolerance checks of a case, as pytest items."""
