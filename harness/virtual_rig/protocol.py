@@ -1,0 +1,182 @@
+"""How a rig is recorded: sampled sensors, and a controller that moves the ball between targets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from analytic.motion import FloatArray, State
+from harness.virtual_rig.plant import Plant, Run, Simulation
+from harness.virtual_rig.sensors import Encoder, Laser
+from harness.virtual_rig.servo import Servo
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the sensors wrote down; arrays of shape (n,).
+
+    Attributes:
+        time: [s].
+        angle: as the encoder read it [rad].
+        position: as the laser read it, NaN where it read nothing [m].
+    """
+
+    time: FloatArray
+    angle: FloatArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensors:
+    """The sensors and how often they are read.
+
+    Attributes:
+        encoder: of the beam angle.
+        laser: of the ball's position.
+        rate: readings a second [Hz].
+    """
+
+    encoder: Encoder = field(default_factory=Encoder)
+    laser: Laser = field(default_factory=Laser)
+    rate: float = 100.0
+
+    def stride(self, step: float) -> int:
+        """Plant steps of `step` [s] between two readings.
+
+        Raises:
+            ValueError: the readings do not fall on plant steps.
+        """
+        stride = round(1.0 / (self.rate * step))
+        if stride < 1 or not math.isclose(stride * step * self.rate, 1.0, rel_tol=1e-9):
+            raise ValueError(f"a plant step of {step} s does not divide the sampling interval {1.0 / self.rate} s")
+        return stride
+
+
+def record(run: Run, sensors: Sensors, seed: int) -> Record:
+    """Read the sensors during a run.
+
+    Args:
+        run: what happened.
+        sensors: what is read, and how often.
+        seed: of the sensors' noise.
+
+    Returns:
+        The readings from the first instant of the run on.
+
+    Raises:
+        ValueError: the readings do not fall on the run's instants.
+    """
+    picked = slice(None, None, sensors.stride(float(run.time[1] - run.time[0])))
+    encoder_noise, laser_noise = _generators(seed)
+    return Record(
+        run.time[picked].copy(),
+        sensors.encoder.measure(run.angle[picked], encoder_noise),
+        sensors.laser.measure(run.position[picked], laser_noise),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controller:
+    """Proportional-derivative control of the measured position, as student rigs have it: no integral part.
+
+    Attributes:
+        gain: commanded angle per position error [rad/m].
+        damping: commanded angle per velocity [rad s/m].
+        filter_time: time constant of the low pass through which position and velocity are seen [s].
+        deflection_limit: largest |commanded angle| [rad].
+    """
+
+    gain: float = 0.40
+    damping: float = 0.31
+    filter_time: float = 0.10
+    deflection_limit: float = math.radians(3.5)
+
+    def command(self, target: float, position: float, velocity: float) -> float:
+        """Angle asked of the servo [rad] for a target and a seen position [m] and velocity [m/s]."""
+        wanted = self.gain * (target - position) - self.damping * velocity
+        return min(max(wanted, -self.deflection_limit), self.deflection_limit)
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """One experiment: the ball lies still on the level beam and is then sent from target to target.
+
+    Attributes:
+        start: where the ball lies [m].
+        targets: (from when [s], where to [m]), in order of time.
+        duration: [s].
+    """
+
+    start: float
+    targets: tuple[tuple[float, float], ...]
+    duration: float
+
+    def target(self, time: float) -> float:
+        """Where the ball should be at `time` [s]: the start, or the latest target [m]."""
+        reached = [place for begin, place in self.targets if begin <= time]
+        return reached[-1] if reached else self.start
+
+
+def perform(
+    protocol: Protocol, plant: Plant, servo: Servo, controller: Controller, sensors: Sensors, seed: int
+) -> tuple[Run, Record]:
+    """Carry out an experiment in closed loop: the controller sees what is recorded, and nothing else.
+
+    Where the laser reads nothing the controller goes on with its last reading.
+
+    Args:
+        protocol: the experiment.
+        plant: the ball on its beam.
+        servo: what turns the beam.
+        controller: runs once for each reading of the sensors.
+        sensors: what is read, and how often.
+        seed: of the sensors' noise.
+
+    Returns:
+        What happened, and what was recorded of it.
+
+    Raises:
+        ValueError: the readings do not fall on plant steps.
+    """
+    stride = sensors.stride(plant.step)
+    simulation = Simulation(plant, State(protocol.start, 0.0), protocol.duration)
+    simulation.begin()
+    encoder_noise, laser_noise = _generators(seed)
+    instants = np.arange(0, simulation.time.size, stride)
+    position = np.empty(instants.size)
+    seen = reading = protocol.start
+    for number, here in enumerate(instants.tolist()):
+        position[number] = sensors.laser.measure(np.array(simulation.position()), laser_noise)
+        reading = reading if math.isnan(position[number]) else float(position[number])
+        velocity = (reading - seen) / (controller.filter_time + 1.0 / sensors.rate)
+        seen += velocity / sensors.rate
+        command = controller.command(protocol.target(float(simulation.time[here])), seen, velocity)
+        period = slice(here, here + stride + 1)
+        servo.follow(
+            command, plant.step, simulation.angle[period], simulation.rate[period], simulation.acceleration[period]
+        )
+        simulation.advance(min(here + stride, simulation.time.size - 1))
+    angle = sensors.encoder.measure(simulation.angle[instants], encoder_noise)
+    return simulation.run(), Record(simulation.time[instants].copy(), angle, position)
+
+
+def recording_text(record: Record) -> str:
+    """A recording as CSV: `time_s, beam_angle_rad, ball_position_m`; a position that was not read is blank."""
+    lines = ["time_s,beam_angle_rad,ball_position_m"]
+    for time, angle, position in zip(record.time, record.angle, record.position, strict=True):
+        lines.append(f"{time:.4f},{angle:.7f},{'' if math.isnan(position) else f'{position:.4f}'}")
+    return "\n".join(lines) + "\n"
+
+
+def write_recording(path: Path, record: Record) -> None:
+    """Write `recording_text` to `path`, byte for byte the same on every platform."""
+    path.write_text(recording_text(record), encoding="utf-8", newline="\n")
+
+
+def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
+    """Independent noise for encoder and laser, so that neither depends on how often the other is read."""
+    encoder, laser = np.random.SeedSequence(seed).spawn(2)
+    return np.random.default_rng(encoder), np.random.default_rng(laser)
