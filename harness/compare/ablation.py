@@ -72,9 +72,7 @@ def ablate(setting: Setting, horizon: Horizon) -> dict[tuple[str, bool, bool, Re
     return found
 
 
-def _fit(
-    setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, model: Model, level: bool
-) -> Combination:
+def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, model: Model, level: bool) -> Combination:
     rig = setting.rig.with_(level_angle=0.0)
     unit = rig.with_(friction_coefficient=1.0)
     base = coefficients(model, unit)

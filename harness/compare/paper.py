@@ -91,7 +91,9 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, doubt
         run_models(setting, (CUM, CAM), horizon), run_models(setting, (CUM, CAM), horizon, rig=off), strict=True
     )
     moved = [_rms(tilted.position - level.position) for level, tilted in pairs]
-    fitted = [combinations[key].level_angle for key in (("R", False, True, Reading.NONE), ("r", True, True, Reading.NONE))]
+    fitted = [
+        combinations[key].level_angle for key in (("R", False, True, Reading.NONE), ("r", True, True, Reading.NONE))
+    ]
     gain = [
         (combinations[r, e, False, Reading.NONE].rms_error, combinations[r, e, True, Reading.NONE].rms_error)
         for r, e in (("R", False), ("r", True))
@@ -151,8 +153,8 @@ def _friction(combinations: Combinations, doubt: float) -> Claim:
             rivals["α₀"] = combinations["R", False, True, Reading.NONE].rms_error
         best = min(rivals, key=lambda name: rivals[name])
         parts.append(
-            f"with α₀ {'fitted' if level else '= 0'} friction takes CUM from {1e3 * base:.1f} to {1e3 * friction:.1f} mm RMS, "
-            f"{best} to {1e3 * rivals[best]:.1f} mm"
+            f"with α₀ {'fitted' if level else '= 0'} friction takes CUM from {1e3 * base:.1f} to "
+            f"{1e3 * friction:.1f} mm RMS, {best} to {1e3 * rivals[best]:.1f} mm"
         )
         if base - min(friction, rivals[best]) < doubt:
             verdicts.append(Verdict.UNDECIDABLE)

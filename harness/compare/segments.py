@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -53,7 +54,7 @@ def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float
         count = int((time[-1] - time[begin] + 2 * slack) / length + 1e-9)
         edges = time[begin] + length * np.arange(count + 1)
         marks = np.searchsorted(time, edges - slack).clip(max=len(time) - 1)
-        pairs = [(f, e) for f, e in zip(marks[:-1], marks[1:], strict=True) if _measured(known[f : e + 1])]
+        pairs = [(f, e) for f, e in itertools.pairwise(marks) if _measured(known[f : e + 1])]
         if pairs:
             first, last = np.array(pairs).T
             found.append(Horizon(length, first, last))

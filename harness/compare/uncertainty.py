@@ -11,8 +11,7 @@ import numpy as np
 
 from analytic.kernel import Grid, integrate
 from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL, coefficients
-from analytic.motion import FloatArray
-from harness.compare.segments import Horizon
+from analytic.motion import BeamMotion, FloatArray
 from harness.compare.setting import Setting
 from harness.metrics import validation_uncertainty
 
@@ -22,7 +21,8 @@ def propagate(setting: Setting) -> list[FloatArray]:
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
-    tables = np.array([grid.tabulate(path) for path in (drive, *drive.draw(draws, choices.seed))])
+    paths: list[BeamMotion] = [drive, *drive.draw(draws, choices.seed)]
+    tables = np.array([grid.tabulate(path) for path in paths])
     parameters = _parameters(setting, draws, generator)
     rounding = (setting.case.sensors.position_resolution or 0.0) / np.sqrt(12.0)
     result = []

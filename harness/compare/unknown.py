@@ -11,7 +11,7 @@ Only K, ℓ and α₀ appear: masses and radii cannot be told apart by a traject
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +77,7 @@ def fit_unknown(observed: Sequence[Observed], rig: Rig, *, ratio: bool, level: b
     names = [name for name, free in (("ratio", ratio), ("level", level), ("lever", lever)) if free]
     start = {"ratio": rig.rolling_ratio, "level": rig.level_angle, "lever": rig.lever, "friction": 1e-3}
     free = [*names, "friction"]
-    windows = [window for one in observed for window in _windows(one)]
+    windows = [_windows(one) for one in observed]
 
     def residuals(x: FloatArray) -> list[FloatArray]:
         value = start | dict(zip(free, x, strict=True))
@@ -90,8 +90,12 @@ def fit_unknown(observed: Sequence[Observed], rig: Rig, *, ratio: bool, level: b
 
     low, high = np.array([_BOUNDS[name] for name in free]).T
     scale = [{"ratio": 0.1, "level": 0.01, "lever": 0.05, "friction": 0.005}[name] for name in free]
+
+    def joined(x: FloatArray) -> FloatArray:
+        return np.concatenate(residuals(x))
+
     found = least_squares(
-        lambda x: np.concatenate(residuals(x)),
+        joined,
         np.clip([start[name] for name in free], low + 1e-9, high - 1e-9),
         bounds=(low, high),
         x_scale=scale,
@@ -100,14 +104,14 @@ def fit_unknown(observed: Sequence[Observed], rig: Rig, *, ratio: bool, level: b
     lengths = [len(piece) for piece in residuals(found.x)]
     value = start | dict(zip(free, found.x, strict=True))
     covariance = np.zeros((3, 3))
-    each = _sandwich(found.jac, found.fun, lengths)
+    each = _sandwich(np.asarray(found.jac), found.fun, lengths)
     place = [("ratio", "level", "lever").index(name) for name in names]
     covariance[np.ix_(place, place)] = each[: len(names), : len(names)]
     return Fitted(float(value["ratio"]), float(value["level"]), float(value["lever"]), covariance)
 
 
-def _windows(one: Observed):  # type: ignore[no-untyped-def]
-    """One function that maps kernel parameters to this recording's scaled window errors."""
+def _windows(one: Observed) -> Callable[[FloatArray], list[FloatArray]]:
+    """Maps kernel parameters to one recording's window errors, a straight line taken out, over the noise."""
     ball = one.ball
     grid = Grid.over(ball.time)
     table = grid.tabulate(one.motion)
@@ -125,13 +129,16 @@ def _windows(one: Observed):  # type: ignore[no-untyped-def]
                 pieces.append((error - np.polynomial.polynomial.polyval(time - time[0], line)) / ball.noise)
         return pieces
 
-    return [errors]
+    return errors
 
 
 def _sandwich(jacobian: FloatArray, residual: FloatArray, lengths: Sequence[int]) -> FloatArray:
-    bread = np.linalg.pinv(jacobian.T @ jacobian)
+    """Covariance of an M-estimate with soft-L1 loss, windows of `lengths` residuals being independent of each other."""
+    weight = 1.0 / np.sqrt(1.0 + residual**2)
+    bread = np.linalg.pinv(jacobian.T @ (weight[:, None] * jacobian))
     ends = np.cumsum(lengths)
-    scores = np.array([jacobian[e - n : e].T @ residual[e - n : e] for e, n in zip(ends, lengths, strict=True)])
+    pulls = jacobian * (weight * residual)[:, None]
+    scores = np.array([pulls[end - n : end].sum(axis=0) for end, n in zip(ends, lengths, strict=True)])
     groups = len(lengths)
     correction = groups / max(groups - jacobian.shape[1], 1)
     result: FloatArray = correction * bread @ (scores.T @ scores) @ bread

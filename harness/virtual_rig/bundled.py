@@ -58,6 +58,7 @@ radius_m = {rig.radius}
 [beam]
 rolling_radius_m = {rig.rolling_radius}
 eccentricity_m = {rig.eccentricity}
+level_angle_rad = {LEVEL_ANGLE:.7f}  # initial beam deflection of −0.16°
 
 [environment]
 gravity_m_s2 = {rig.gravity}
@@ -79,7 +80,6 @@ def truth_text() -> str:
         "origin": ORIGIN,
         "effects": [
             {"name": "rolling_resistance", "parameters": {"coefficient": ROLLING_RESISTANCE}},
-            {"name": "level_error", "parameters": {"angle": LEVEL_ANGLE}},
         ],
         "unlisted": None,
         "declared": [],

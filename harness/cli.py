@@ -1,0 +1,174 @@
+"""The command line: parse, call, print. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 engine failed."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+
+from analytic.motion import State
+from harness.errors import HarnessError
+
+BUNDLED = Path(__file__).parent / "data" / "paper_protocol"
+
+
+class Friendly(click.Group):
+    """Turns errors meant for the user into one message and their exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; an error meant for the user ends it with one message."""
+        try:
+            return super().invoke(ctx)
+        except HarnessError as error:
+            fail(error)
+
+
+class RunCommand(click.Command):
+    """`harness run`, whose help also lists every parameter that `--set` takes."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the engines' parameters below the options."""
+        from harness.engines.catalogue import DEFAULT_ENGINES, describe, engine_of
+
+        for name in DEFAULT_ENGINES:
+            with formatter.section(f"Parameters of {name} (--set {name}.NAME=VALUE, default in brackets)"):
+                rows = [(key, f"[{default}] {text}") for key, default, text in describe(engine_of(name))]
+                formatter.write_dl(rows, col_max=36)
+        super().format_epilog(ctx, formatter)
+
+
+def fail(error: HarnessError) -> NoReturn:
+    """Say what is wrong on stderr and leave."""
+    click.echo(f"error: {error}", err=True)
+    sys.exit(error.exit_code)
+
+
+class StateType(click.ParamType):
+    """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
+
+    name = "S,V"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
+        """Read the text of the option."""
+        if value is None or isinstance(value, State) or value == "estimate":
+            return None if value == "estimate" else value
+        try:
+            position, velocity = map(float, str(value).split(","))
+        except ValueError:
+            self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
+        return State(position, velocity)
+
+
+class AngleType(click.ParamType):
+    """`-0.16deg`, `-0.0028rad` or `-0.0028` (rad); `estimate`."""
+
+    name = "ANGLE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the text of the option; radians."""
+        if value is None or isinstance(value, float) or value == "estimate":
+            return value
+        text, factor = str(value).strip(), 1.0
+        for unit, size in (("deg", 0.017453292519943295), ("°", 0.017453292519943295), ("rad", 1.0)):
+            if text.endswith(unit):
+                text, factor = text.removesuffix(unit), size
+                break
+        try:
+            return float(text) * factor
+        except ValueError:
+            self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+
+
+@click.group(cls=Friendly, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="ball-beam-harness")
+def main() -> None:
+    """Cross-validate MuJoCo, PyBullet and analytic models of a ball-and-beam rig against its recordings.
+
+    \b
+    Examples:
+      harness run                       the bundled, simulated recording of the paper's protocol
+      harness run my_rig/               a folder with rig.toml and CSV recordings
+      harness run swing.csv             one recording of the paper's rig
+    """
+
+
+@main.command(cls=RunCommand)
+@click.argument("case", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
+)
+@click.option("--recording", metavar="NAME", help="Which recording of the case [default: the first to identify from].")
+@click.option(
+    "--engine",
+    "engines",
+    multiple=True,
+    metavar="NAME",
+    help="Engine to run: mujoco, pybullet, dart; repeatable [default: mujoco and pybullet].",
+)
+@click.option(
+    "--set", "assignments", multiple=True, metavar="ENGINE.NAME=VALUE", help="Set a contact parameter; repeatable."
+)
+@click.option(
+    "--parameters",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Contact parameters from a TOML file, one table an engine; --set wins.",
+)
+@click.option(
+    "--start",
+    type=StateType(),
+    default="estimate",
+    show_default=True,
+    help="Ball at the first stamp, position [m] and velocity [m/s].",
+)
+@click.option(
+    "--level-angle",
+    type=AngleType(),
+    metavar="ANGLE|estimate",
+    help="Level angle α₀ [default: as in rig.toml; else 0, or estimated where the rig is not known].",
+)
+@click.option(
+    "--window",
+    "windows",
+    type=click.FloatRange(min=0.05),
+    multiple=True,
+    metavar="SECONDS",
+    help="Length of the windows; repeatable [default: 1, 2 and 5 s].",
+)
+@click.option(
+    "--tube",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=0.010,
+    show_default=True,
+    metavar="METRES",
+    help="Half width of the tolerance tube.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the draws that propagate uncertainty.")
+@click.option(
+    "--check", "check_limits", is_flag=True, help="Hold the result to tolerances; exit code 1 if one is broken."
+)
+@click.option(
+    "--tolerances",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Limits for --check [default: tolerances.toml of the case, else the package's].",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+def run(case: Path | None, **options: Any) -> None:
+    """Drive every model and engine with the recorded beam angle and write the comparison report.
+
+    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed); without one
+    the bundled recording is used, which is simulated. Writes report.html, trajectories.csv, metrics.csv and
+    manifest.json.
+
+    \b
+    Examples:
+      harness run
+      harness run my_rig/ --recording swing_02.csv --set mujoco.friction=0.3
+      harness run my_rig/ --level-angle estimate --check
+    """
+    from harness.commands.run import run_case
+
+    sys.exit(run_case(case or BUNDLED, **options))

@@ -1,0 +1,132 @@
+"""`harness run`: one recording through every model and engine, into a report."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from analytic.motion import State
+from harness.compare import Choices, Study, prepare, study
+from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of, read_settings
+from harness.metrics import Score
+from harness.outputs import all_or_nothing, manifest, to_json, write_tables
+from harness.progress import told_on_stderr
+from harness.recording import Case, load_case
+from harness.report import render_comparison
+from harness.tolerances import Checked, check, render_table, tolerances_for
+
+REPORTS = Path("reports")
+
+
+def run_case(
+    path: Path,
+    *,
+    out: Path | None = None,
+    recording: str | None = None,
+    engines: Sequence[str] = (),
+    assignments: Sequence[str] = (),
+    parameters: Path | None = None,
+    start: State | None = None,
+    level_angle: float | str | None = None,
+    windows: Sequence[float] = (),
+    tube: float = 0.010,
+    seed: int = 0,
+    check_limits: bool = False,
+    tolerances: Path | None = None,
+    as_json: bool = False,
+) -> int:
+    """Run the comparison, write its files, say the answer; return the exit code.
+
+    Raises:
+        InputError: anything the user gave cannot be used; nothing has been written then.
+    """
+    begin = time.monotonic()
+    settings = read_settings(parameters, assignments)
+    names = tuple(dict.fromkeys((*(engines or DEFAULT_ENGINES), *settings)))
+    chosen = [(engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names)]
+    case = load_case(path)
+    limits = tolerances_for(case.path, tolerances) if check_limits or tolerances else None
+    choices = Choices(
+        recording=recording,
+        start=start,
+        level_angle=level_angle,  # type: ignore[arg-type]
+        lengths=tuple(windows) or Choices.lengths,
+        tolerance=tube,
+        seed=seed,
+    )
+    progress = told_on_stderr()
+    progress("drive and measured state")
+    result = study(prepare(case, choices), chosen, progress)
+    checks = check(result, limits) if limits is not None else []
+    progress("report")
+    folder = out or REPORTS / _name(case)
+    with all_or_nothing(folder) as scratch:
+        write_tables(result, scratch)
+        facts = manifest(result, command=shlex.join(["harness", *sys.argv[1:]]), wall_time=time.monotonic() - begin)
+        (scratch / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+        (scratch / "report.html").write_text(render_comparison(result, facts, checks=checks), encoding="utf-8")
+    progress("")
+    click.echo(_as_json(result, checks, folder) if as_json else _as_text(result, checks, folder))
+    for failure in result.failures:
+        click.echo(f"error: {failure}", err=True)
+    if result.failures:
+        return 3
+    return 0 if all(one.passed for one in checks) else 1
+
+
+def _name(case: Case) -> str:
+    path = case.path.resolve()
+    return path.parent.name if path.name == "rig.toml" else path.stem
+
+
+def _as_json(result: Study, checks: Sequence[Checked], folder: Path) -> str:
+    return to_json(
+        {
+            "out": str(folder),
+            "report": str(folder / "report.html"),
+            "recording": result.setting.recording.name,
+            "origin": result.setting.case.origin,
+            "headline": result.headline.name,
+            "scores": [asdict(score) for score in result.scores],
+            "claims": [asdict(claim) for claim in result.claims],
+            "attribution": {one.source: one.rms() for one in result.attributions},
+            "checks": [asdict(one) for one in checks],
+            "findings": [asdict(one) for one in result.setting.case.findings],
+            "failures": [str(failure) for failure in result.failures],
+        }
+    )
+
+
+def _as_text(result: Study, checks: Sequence[Checked], folder: Path) -> str:
+    """The answer on a terminal: the table of the headline horizon, the checks, where the report is."""
+    from harness.report.answer import answer
+
+    setting = result.setting
+    lines = [
+        f"{setting.recording.path} ({setting.case.origin})" if setting.case.origin else str(setting.recording.path)
+    ]
+    lines += [
+        f"  {one.severity}: {one.where}: {one.text}" for one in setting.case.findings if one.severity == "warning"
+    ]
+    for one in setting.estimates:
+        lines.append(f"  {one.name} = {one.value:.5g} ± {one.std:.2g} {one.unit} ({one.how})")
+    lines += ["", *answer(result), "", _table([result.score_of(name, result.headline) for name in result.sources])]
+    if checks:
+        lines += ["", render_table(checks)]
+    return "\n".join([*lines, "", f"report: {folder / 'report.html'}"])
+
+
+def _table(scores: Sequence[Score]) -> str:
+    head = f"{'source':<30}{'RMS [mm]':>10}{'max [mm]':>10}{'fit [%]':>9}{'E/u_val':>9}{'ISO 18571':>11}"
+    rows = [
+        f"{s.source:<30}{s.rms_error_mm:>10.2f}{1e3 * s.max_error_m:>10.2f}{s.fit_percent:>9.1f}"
+        f"{s.rms_error_over_uncertainty:>9.1f}{s.iso18571_rating:>11.2f}"
+        for s in scores
+    ]
+    return "\n".join([f"horizon: {scores[0].horizon}", head, *rows])

@@ -1,0 +1,116 @@
+"""What a run leaves behind: trajectories.csv, metrics.csv, manifest.json, report.html — all of them or none."""
+
+from __future__ import annotations
+
+import json
+import platform
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from harness.compare import Study
+from harness.errors import InputError
+
+_PACKAGES = ("mujoco", "pybullet", "numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
+
+
+@contextmanager
+def all_or_nothing(folder: Path) -> Iterator[Path]:
+    """A scratch folder whose files are moved into `folder` when the block ends well, and deleted when it does not.
+
+    Files of other names that are already in `folder` stay.
+
+    Raises:
+        InputError: the folder cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot write there ({error.strerror}); choose another folder with --out"
+        ) from error
+    try:
+        yield scratch
+        for file in sorted(scratch.iterdir()):
+            file.replace(folder / file.name)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def trajectories(study: Study) -> pd.DataFrame:
+    """Free runs of every source beside the measurement: `time_s`, `measured_m`, then `<source>_m` [m]."""
+    whole = study.setting.horizons[0]
+    table = {"time_s": study.setting.time, "measured_m": study.setting.recording.position}
+    table |= {f"{source}_m": study.run_of(source, whole).position[0] for source in study.sources}
+    return pd.DataFrame(table)
+
+
+def metrics(study: Study) -> pd.DataFrame:
+    """One row a source and horizon; columns are the fields of `harness.metrics.Score`."""
+    return pd.DataFrame([asdict(score) for score in study.scores])
+
+
+def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
+    """What is needed to repeat the run: hashes of inputs, versions, settings, seed; wall time [s]."""
+    setting = study.setting
+    return {
+        "schema": 1,
+        "command": command,
+        "case": str(setting.case.path),
+        "origin": setting.case.origin,
+        "inputs": {
+            setting.recording.name: setting.recording.sha256,
+            **({"rig.toml": setting.case.sha256} if setting.case.sha256 else {}),
+        },
+        "versions": {
+            "harness": version("ball-beam-harness"),
+            "python": platform.python_version(),
+            "platform": f"{sys.platform} {platform.machine()}",
+            **{name: version(name) for name in _PACKAGES},
+        },
+        "settings": {
+            "rig": asdict(setting.rig),
+            "estimates": [asdict(one) for one in setting.estimates],
+            "start": asdict(setting.start),
+            "horizons": [one.name for one in setting.horizons],
+            "headline": study.headline.name,
+            "tolerance_m": setting.choices.tolerance,
+            "engines": {engine.name: parameters.model_dump() for engine, parameters in study.engines},
+        },
+        "seed": setting.choices.seed,
+        "failures": [str(failure) for failure in study.failures],
+        "wall_time_s": round(wall_time, 3),
+    }
+
+
+def to_json(value: Any) -> str:
+    """JSON text; numbers that are not finite become null, as JSON has none."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def write_tables(study: Study, folder: Path) -> None:
+    """Write trajectories.csv (micrometres) and metrics.csv (seven digits) into `folder`."""
+    trajectories(study).to_csv(folder / "trajectories.csv", index=False, float_format="%.6f")
+    metrics(study).to_csv(folder / "metrics.csv", index=False, float_format="%.7g")
