@@ -1,0 +1,19 @@
+"""The only door for data: `rig.toml` and CSV recordings become checked arrays, or one clear `InputError`."""
+
+from harness.recording.case import Case, load_case
+from harness.recording.findings import Finding
+from harness.recording.known_rig import Declared, KnownRig, Sensors
+from harness.recording.recording import Recording, load_recording
+from harness.recording.resolution import inferred_resolution
+
+__all__ = [
+    "Case",
+    "Declared",
+    "Finding",
+    "KnownRig",
+    "Recording",
+    "Sensors",
+    "inferred_resolution",
+    "load_case",
+    "load_recording",
+]

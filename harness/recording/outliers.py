@@ -1,0 +1,79 @@
+"""Spikes in a position record: single samples, or short bursts, that no rolling ball can have caused."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from analytic.motion import FloatArray
+
+WINDOW = 11  # samples a line is laid through; up to four of them may be spikes
+HALF_SPAN = 0.03  # aimed at, so that the ball's path is straight within the window [s]
+THRESHOLD = 6.0  # in robust standard deviations: one false alarm in 5e8 normal samples
+SCALE_WINDOW = 101  # samples over which the noise is taken for constant (a laser's grows with distance)
+MAD_TO_SIGMA = 1.4826
+CHUNK = 50_000
+
+
+def spikes(time: FloatArray, position: FloatArray, *, resolution: float, acceleration: float) -> NDArray[np.bool_]:
+    """Marks positions that stand out from robust lines through their neighbours before, around and after.
+
+    All three lines have to be missed: a kink (the ball at a stop) and a step that stays lie on one of them. It is
+    a Hampel identifier with lines (Theil-Sen) for medians, so that a moving ball and the record's ends do no harm.
+
+    Args:
+        time: strictly increasing, shape (n,) [s].
+        position: shape (n,) [m]; NaN where not known.
+        resolution: step of the sensor [m], 0 if not known.
+        acceleration: largest magnitude the ball may have [m/s²].
+
+    Returns:
+        Mask of shape (n,), false where the position is not known.
+    """
+    mask = np.zeros(len(time), dtype=np.bool_)
+    known = np.flatnonzero(np.isfinite(position))
+    if len(known) < WINDOW:
+        return mask
+    step = float(np.median(np.diff(time)))
+    breaks = np.flatnonzero(np.diff(time[known]) > 5 * step) + 1
+    for start, stop in pairwise((0, *breaks.tolist(), len(known))):
+        part = known[start:stop]
+        if len(part) >= WINDOW:
+            mask[part] = _spikes_of_part(time[part], position[part], step, resolution, acceleration)
+    return mask
+
+
+def _spikes_of_part(
+    time: FloatArray, position: FloatArray, step: float, resolution: float, acceleration: float
+) -> NDArray[np.bool_]:
+    stride = max(1, min(round(2 * HALF_SPAN / step / (WINDOW - 1)), len(time) // WINDOW))
+    half = WINDOW // 2
+    around = np.abs(_residual(time, position, -half, stride))
+    before = np.abs(_residual(time, position, 1 - WINDOW, stride))
+    after = np.abs(_residual(time, position, 0, stride))
+    local = median_filter(around, size=min(SCALE_WINDOW, len(around)), mode="mirror")
+    scale = MAD_TO_SIGMA * np.maximum(local, np.median(around))
+    # The path bends by at most a T²/2 within half a window; that is no spike.
+    bend = 0.5 * acceleration * (half * stride * step) ** 2
+    threshold = THRESHOLD * scale + 2 * resolution + bend
+    # The lines before and after only veto kinks and steps; half the threshold is enough to miss them, three sigma.
+    spike: NDArray[np.bool_] = (around > threshold) & (np.minimum(before, after) > 0.5 * threshold)
+    return spike
+
+
+def _residual(time: FloatArray, position: FloatArray, first: int, stride: int) -> FloatArray:
+    """Distance of each sample from the line through `WINDOW` samples that begin `first * stride` after it."""
+    count = len(time)
+    residual = np.empty(count)
+    left, right = np.triu_indices(WINDOW, 1)
+    for begin in range(0, count, CHUNK):
+        index = np.arange(begin, min(begin + CHUNK, count))
+        start = np.clip(index + first * stride, 0, count - 1 - (WINDOW - 1) * stride)
+        window = start[:, None] + stride * np.arange(WINDOW)
+        t, s = time[window] - time[index, None], position[window]
+        slope = np.median((s[:, right] - s[:, left]) / (t[:, right] - t[:, left]), axis=1)
+        residual[index] = position[index] - np.median(s - slope[:, None] * t, axis=1)
+    return residual

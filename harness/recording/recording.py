@@ -1,0 +1,147 @@
+"""One recording: checked arrays from one CSV file, or one clear error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+from harness.recording.columns import QuantityName, find_columns
+from harness.recording.findings import Finding, place, rows_text
+from harness.recording.known_rig import KnownRig, Sensors
+from harness.recording.outliers import spikes
+from harness.recording.resolution import inferred_resolution
+from harness.recording.sampling import (
+    bridge_angle,
+    check_length,
+    check_order,
+    merge_duplicates,
+    sampling_findings,
+)
+from harness.recording.source import read_source
+from harness.recording.suspicions import Suspect, suspicions
+from harness.recording.table import numbers_of, read_table
+
+BEAM_ACCELERATION = 10.0  # g / 1 m: beyond it a ball one metre from the pivot lifts off [rad/s²]
+STANDARD_GRAVITY = 9.81  # where the rig does not know its own; suspicions need no more digits [m/s²]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What was measured, in SI units; arrays are read-only and of shape (n,).
+
+    Attributes:
+        name: file name.
+        path: of the file.
+        time: strictly increasing [s].
+        angle: α, free of NaN [rad].
+        position: s, NaN where not known; spikes are still in it [m].
+        velocity: ṡ, NaN where not known; `None` when it was not recorded [m/s].
+        outlier: true where the position is a spike.
+        findings: what the reader of a result has to know.
+        sha256: of the file's bytes.
+    """
+
+    name: str
+    path: Path
+    time: FloatArray
+    angle: FloatArray
+    position: FloatArray
+    velocity: FloatArray | None
+    outlier: NDArray[np.bool_]
+    findings: tuple[Finding, ...]
+    sha256: str
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Where the position is known, shape (n,)."""
+        return np.isfinite(self.position)
+
+
+def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Sensors | None = None) -> Recording:
+    """Reads and checks a CSV recording.
+
+    Args:
+        path: the file; columns as in `harness.recording.columns`.
+        rig: what is known of the rig; its gravity and length sharpen the suspicions.
+        sensors: their declared resolutions are compared with the steps seen.
+
+    Raises:
+        InputError: it cannot be used; the message names file, row and column, and says what to do.
+    """
+    path = Path(path)
+    source = read_source(path)
+    table = read_table(path, source.text)
+    columns, findings = find_columns(path, table.header, table.header_row)
+    values = numbers_of(table, *(column.index for column in columns.values()))
+    channels: dict[QuantityName, FloatArray] = {
+        name: numbers * column.factor for (name, column), numbers in zip(columns.items(), values, strict=True)
+    }
+    time = channels.pop("time")
+    check_order(path, columns["time"].header, time, table.rows)
+    time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
+    check_length(path, columns["time"].header, time)
+    angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)
+    position = channels.get("position", np.full(len(time), np.nan))
+    velocity = channels.get("velocity")
+    findings += [*merged, *bridged, *sampling_findings(path, time, rows)]
+
+    rig, sensors = rig or KnownRig(), sensors or Sensors()
+    gravity = rig.gravity or STANDARD_GRAVITY
+    resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
+    steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level and track may add a degree
+    outlier = spikes(time, position, resolution=resolution, acceleration=gravity * steepest)
+    findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
+    if "position" in columns:
+        findings += _position_findings(path, columns["position"].header, position, outlier, rows)
+    suspect = Suspect(
+        time=time,
+        angle=angle,
+        position=position,
+        outlier=outlier,
+        gravity=gravity,
+        length=rig.length,
+        angle_resolution=sensors.angle_resolution,
+        position_resolution=sensors.position_resolution,
+    )
+    findings += [Finding("warning", path.name, text) for text in suspicions(suspect)]
+    for array in (time, angle, position, outlier, *([] if velocity is None else [velocity])):
+        array.setflags(write=False)
+    return Recording(path.name, path, time, angle, position, velocity, outlier, tuple(findings), source.sha256)
+
+
+def _angle_findings(
+    path: Path, column: str, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp]
+) -> list[Finding]:
+    spike = spikes(time, angle, resolution=inferred_resolution(angle) or 0.0, acceleration=BEAM_ACCELERATION)
+    if not spike.any():
+        return []
+    text = (
+        f"{int(spike.sum())} of {len(angle)} angles stand out from their neighbours ({rows_text(rows[spike])}). Models "
+        "are driven by them as they are; leave these cells blank to have them bridged."
+    )
+    return [Finding("warning", place(path.name, column=column), text)]
+
+
+def _position_findings(
+    path: Path, column: str, position: FloatArray, outlier: NDArray[np.bool_], rows: NDArray[np.intp]
+) -> list[Finding]:
+    where = place(path.name, column=column)
+    findings: list[Finding] = []
+    known = np.isfinite(position)
+    if not known.all():
+        text = f"not known in {int((~known).sum())} of {len(known)} rows ({rows_text(rows[~known])})."
+        findings.append(Finding("note", where, text))
+    if outlier.any():
+        findings.append(
+            Finding(
+                "warning",
+                where,
+                f"{int(outlier.sum())} of {int(known.sum())} positions stand out from their neighbours "
+                f"({rows_text(rows[outlier])}). They are kept and marked as outliers; check the sensor.",
+            )
+        )
+    return findings

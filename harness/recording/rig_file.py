@@ -1,0 +1,241 @@
+"""`rig.toml`: what a user writes about a rig, checked key by key and translated to quantities of the house."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from analytic.rig import RigError
+from harness.errors import InputError
+from harness.recording.findings import Finding
+from harness.recording.known_rig import Declared, KnownRig, Sensors
+from harness.recording.source import read_source
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class _Ball(_Table):
+    mass_kg: Positive | None = None
+    inertia_kg_m2: Positive | None = None
+    radius_m: Positive | None = None
+
+
+class _Beam(_Table):
+    rolling_radius_m: Positive | None = None
+    eccentricity_m: float | None = None
+    length_m: Positive | None = None
+    level_angle_rad: float | None = None
+
+
+class _Environment(_Table):
+    gravity_m_s2: Positive | None = None
+
+
+class _Sensors(_Table):
+    angle_resolution_rad: Positive | None = None
+    angle_noise_rad: NotNegative | None = None
+    position_noise_m: NotNegative | None = None
+    position_resolution_m: Positive | None = None
+
+
+class _Declared(BaseModel):
+    model_config = ConfigDict(extra="allow", strict=True, allow_inf_nan=False)
+    __pydantic_extra__: dict[str, float] = Field(init=False)
+    name: str
+
+
+class _Recordings(_Table):
+    identify: list[str] = []
+    predict: list[str] = []
+
+
+class _RigFile(_Table):
+    origin: str | None = None
+    ball: _Ball = _Ball()
+    beam: _Beam = _Beam()
+    environment: _Environment = _Environment()
+    sensors: _Sensors = _Sensors()
+    declared: list[_Declared] = []
+    recordings: _Recordings | None = None
+
+
+KEYS = {
+    name: tuple(model.model_fields)
+    for name, model in (
+        ("ball", _Ball),
+        ("beam", _Beam),
+        ("environment", _Environment),
+        ("sensors", _Sensors),
+        ("recordings", _Recordings),
+    )
+}
+
+
+@dataclass(frozen=True)
+class RigFile:
+    """The content of a `rig.toml`.
+
+    Attributes:
+        origin: where the data come from, in words; `None` when the file does not say.
+        rig: the rig's known quantities.
+        sensors: what is declared about the sensors.
+        declared: effects known to act.
+        identify, predict: recordings listed, as written; `None` for both without a table `[recordings]`.
+        findings: what the reader of a result has to know.
+        sha256: of the file's bytes.
+    """
+
+    origin: str | None
+    rig: KnownRig
+    sensors: Sensors
+    declared: tuple[Declared, ...]
+    identify: tuple[str, ...] | None
+    predict: tuple[str, ...] | None
+    findings: tuple[Finding, ...]
+    sha256: str
+
+
+def read_rig_file(path: Path) -> RigFile:
+    """Reads and checks a `rig.toml`.
+
+    Raises:
+        InputError: the file is no TOML, has unknown tables or keys or wrong values, or describes a rig that cannot
+            exist. The message names table and key.
+    """
+    source = read_source(path)
+    text = source.text
+    try:
+        content = _RigFile.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is no valid TOML: {error}.{_quoted_line(text, str(error))}") from None
+    except ValidationError as error:
+        raise InputError(f"{path}: {_advice(error.errors()[0])}{_more(error)}") from None
+    try:
+        rig = KnownRig(
+            mass=content.ball.mass_kg,
+            inertia=content.ball.inertia_kg_m2,
+            radius=content.ball.radius_m,
+            rolling_radius=content.beam.rolling_radius_m,
+            eccentricity=content.beam.eccentricity_m,
+            gravity=content.environment.gravity_m_s2,
+            level_angle=content.beam.level_angle_rad,
+            length=content.beam.length_m,
+        )
+    except RigError as error:
+        raise InputError(f"{path}: such a rig cannot exist: {error}. Correct the values or their units.") from None
+    sensors = Sensors(
+        angle_resolution=content.sensors.angle_resolution_rad,
+        angle_noise=content.sensors.angle_noise_rad,
+        position_noise=content.sensors.position_noise_m,
+        position_resolution=content.sensors.position_resolution_m,
+    )
+    declared = tuple(Declared(effect.name, dict(effect.__pydantic_extra__)) for effect in content.declared)
+    listed = content.recordings
+    return RigFile(
+        origin=content.origin,
+        rig=rig,
+        sensors=sensors,
+        declared=declared,
+        identify=None if listed is None else tuple(listed.identify),
+        predict=None if listed is None else tuple(listed.predict),
+        findings=tuple(_findings(path, rig)),
+        sha256=source.sha256,
+    )
+
+
+def _findings(path: Path, rig: KnownRig) -> list[Finding]:
+    findings: list[Finding] = []
+    if rig.unknown:
+        text = (
+            f"not known: {', '.join(rig.unknown)}; estimated where a recording tells, otherwise results are per unit."
+        )
+        if rig.inertia is None and rig.mass is not None and rig.radius is not None:
+            text += " If the ball is solid, write inertia_kg_m2 = 2/5 m R² into [ball]."
+        findings.append(Finding("note", path.name, text))
+    if rig.inertia is not None and rig.mass is not None and rig.radius is not None:
+        ratio = rig.inertia / (rig.mass * rig.radius**2)
+        if not 0.3 <= ratio <= 0.7:
+            text = f"is {ratio:.3g} m R²; a solid ball has 0.4, a thin shell 0.667. Check mass, radius and inertia."
+            findings.append(Finding("warning", f"{path.name}, [ball] inertia_kg_m2", text))
+    if rig.gravity is not None and not 9.7 <= rig.gravity <= 9.9:
+        text = f"is {rig.gravity:g} m/s²; on Earth it lies between 9.76 and 9.84."
+        findings.append(Finding("warning", f"{path.name}, [environment] gravity_m_s2", text))
+    return findings
+
+
+def _quoted_line(text: str, error: str) -> str:
+    """The line a TOML error names, and the usual cause if it shows."""
+    _, found, after = error.partition("(at line ")
+    if not found:
+        return ""
+    line = text.split("\n")[int(after.split(",")[0]) - 1].strip()
+    hint = " Decimals take a point." if "," in line.partition("=")[2] and '"' not in line else ""
+    return f" The line reads '{line}'.{hint}"
+
+
+def _key(location: tuple[str | int, ...]) -> str:
+    if location[0] == "declared" and len(location) > 1:
+        rest = ".".join(str(part) for part in location[2:] if part != "__pydantic_extra__")
+        return f"[[declared]] number {int(location[1]) + 1}{f', {rest}' if rest else ''}"
+    table, rest = str(location[0]), ".".join(str(part) for part in location[1:])
+    return f"[{table}] {rest}".rstrip()
+
+
+def _advice(error: Any) -> str:
+    location, kind, value = error["loc"], error["type"], error["input"]
+    where = _key(location)
+    if kind == "extra_forbidden":
+        return _unknown(location, value)
+    if kind == "missing":
+        return f'{where} is missing. Name the effect, such as name = "rolling_resistance".'
+    if kind == "float_type":
+        return f"{where} = {value!r} is not a number. Write a plain number such as 0.0132, without quotes or unit."
+    if kind in ("string_type", "list_type"):
+        wanted = 'text, such as "rec_01.csv"' if kind == "string_type" else 'a list, such as ["rec_01.csv"]'
+        if location[0] == "declared" and kind == "list_type":
+            return "[declared] must be a list of tables. Write [[declared]] with two brackets."
+        return f"{where} = {value!r} has the wrong type. Write {wanted}."
+    if kind in ("greater_than", "greater_than_equal"):
+        bound = "positive" if kind == "greater_than" else "zero or positive"
+        return f"{where} = {value!r} must be {bound}. Correct it, or delete the line if it is not known."
+    if kind == "finite_number":
+        return f"{where} = {value!r} must be finite. Delete the line if it is not known."
+    if kind in ("model_type", "dict_type", "model_attributes_type"):
+        name = "[[declared]]" if location[0] == "declared" else f"[{location[0]}]"
+        return f"{where} = {value!r} must be a table. Write {name} on a line of its own and its keys below."
+    return f"{where} = {value!r}: {error['msg']}."
+
+
+def _unknown(location: tuple[str | int, ...], value: object) -> str:
+    key = str(location[-1])
+    if len(location) == 1 and isinstance(value, dict | list):
+        tables = tuple(_RigFile.model_fields)
+        return f"[{key}] is no known table.{_did_you_mean(key, tables)} Tables are {', '.join(tables)}."
+    home = next((table for table, keys in KEYS.items() if key in keys), None)
+    if home is not None:
+        return f"{_key(location) if len(location) > 1 else key} stands in the wrong place. Move it under [{home}]."
+    if len(location) == 1:
+        every = tuple(name for keys in KEYS.values() for name in keys)
+        return f"{key} stands in no table and is not known.{_did_you_mean(key, every)}"
+    keys = KEYS[str(location[0])]
+    return f"{_key(location)} is not known.{_did_you_mean(key, keys)} Keys of [{location[0]}] are {', '.join(keys)}."
+
+
+def _did_you_mean(word: str, known: tuple[str, ...]) -> str:
+    close = difflib.get_close_matches(word, known, 1, 0.6)
+    return f" Did you mean {close[0]}?" if close else ""
+
+
+def _more(error: ValidationError) -> str:
+    others = error.error_count() - 1
+    return f" ({others} more {'problem' if others == 1 else 'problems'} in this file.)" if others else ""

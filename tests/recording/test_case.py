@@ -1,0 +1,151 @@
+"""A folder, its rig.toml or a bare CSV: each becomes a whole case or one error."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.rig import Rig
+from harness.errors import InputError
+from harness.recording import Case, KnownRig, load_case
+from tests.recording.simulated import ANGLE_STEP, POSITION_STEP, contract_columns, write
+
+RIG = '[ball]\nmass_kg = 0.071\n[recordings]\nidentify = ["a.csv"]\npredict = ["b.csv"]\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A case with one recording to identify from and one to predict, whose later positions are blank."""
+    write(tmp_path / "a.csv")
+    columns = contract_columns()
+    columns["ball_position_m"] = np.where(columns["time_s"] < 1.5, columns["ball_position_m"], np.nan)
+    write(tmp_path / "b.csv", columns)
+    (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
+    return tmp_path
+
+
+def warnings(case: Case) -> list[str]:
+    """Texts of all warnings."""
+    return [finding.text for finding in case.findings if finding.severity == "warning"]
+
+
+@pytest.mark.parametrize("name", ["", "rig.toml"])
+def test_folder_and_rig_file_are_one_case(folder: Path, name: str) -> None:
+    """Accept the folder and the rig.toml in it alike."""
+    case = load_case(folder / name)
+    assert case.identify == ("a.csv",)
+    assert case.predict == ("b.csv",)
+    assert list(case.recordings) == ["a.csv", "b.csv"]
+    assert case.rig == KnownRig(mass=0.071)
+    assert case.sha256 == hashlib.sha256(RIG.encode()).hexdigest()
+    assert warnings(case) == []
+
+
+def test_findings_of_recordings_are_findings_of_the_case(folder: Path) -> None:
+    """Show what is said about each recording, under its name."""
+    case = load_case(folder)
+    assert set(case.recordings["b.csv"].findings) <= set(case.findings)
+    assert any(finding.where.startswith("b.csv") for finding in case.findings)
+
+
+def test_bare_csv_is_of_the_paper(tmp_path: Path) -> None:
+    """Take a CSV by itself for a recording of the paper's rig, with the resolutions it shows."""
+    case = load_case(write(tmp_path / "run.csv"))
+    assert case.rig.complete() == Rig()
+    assert case.rig.unknown == ()
+    assert (case.identify, case.predict) == (("run.csv",), ())
+    assert case.sensors.angle_resolution == pytest.approx(ANGLE_STEP, rel=1e-9)
+    assert case.sensors.position_resolution == pytest.approx(POSITION_STEP, rel=1e-9)
+    assert case.sensors.position_noise is None
+    assert case.sha256 is None
+    assert warnings(case) == []
+
+
+def test_bare_csv_beside_a_rig_file(folder: Path) -> None:
+    """Warn that a rig.toml is not used when only a CSV beside it is named."""
+    (warning,) = warnings(load_case(folder / "a.csv"))
+    assert "not used" in warning
+
+
+def test_folder_without_rig_file(folder: Path) -> None:
+    """Take all recordings of the folder, assume the paper's rig and warn."""
+    (folder / "rig.toml").unlink()
+    case = load_case(folder)
+    assert case.identify == ("a.csv", "b.csv")
+    assert case.rig.complete() == Rig()
+    assert "rig of the paper is assumed" in warnings(case)[0]
+
+
+def test_rig_file_without_lists(folder: Path) -> None:
+    """Identify from every recording of the folder when none is listed."""
+    (folder / "rig.toml").write_text("[ball]\nmass_kg = 0.071\n", encoding="utf-8")
+    assert load_case(folder).identify == ("a.csv", "b.csv")
+
+
+def test_stray_csv_without_lists(folder: Path) -> None:
+    """Say how to leave a file out when it turns out to be no recording."""
+    (folder / "rig.toml").write_text("[ball]\nmass_kg = 0.071\n", encoding="utf-8")
+    (folder / "results.csv").write_text("time_s,ball_position_m\n0,0.3\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"results\.csv.*no column 'beam_angle_rad'.*\[recordings\] identify"):
+        load_case(folder)
+
+
+def test_missing_recording(folder: Path) -> None:
+    """Name the recording that is listed and not there, and the one that may be meant."""
+    (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.cvs"]\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"rig\.toml: .*'a\.cvs'.*Did you mean 'a\.csv'"):
+        load_case(folder)
+
+
+def test_listed_twice(folder: Path) -> None:
+    """Refuse a recording that would count twice."""
+    (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.csv", "a.csv"]\n', encoding="utf-8")
+    with pytest.raises(InputError, match="more than once"):
+        load_case(folder)
+
+
+def test_predicting_what_was_identified_from(folder: Path) -> None:
+    """Warn when a recording to predict is one to identify from, under its own or another name."""
+    (folder / "copy.csv").write_bytes((folder / "a.csv").read_bytes())
+    for predict in ("copy.csv", "a.csv"):
+        text = f'[recordings]\nidentify = ["a.csv"]\npredict = ["{predict}"]\n'
+        (folder / "rig.toml").write_text(text, encoding="utf-8")
+        (warning,) = warnings(load_case(folder))
+        assert "do not predict what was identified from" in warning
+
+
+def test_nothing_listed(folder: Path) -> None:
+    """Refuse a list without recordings."""
+    (folder / "rig.toml").write_text("[recordings]\n", encoding="utf-8")
+    with pytest.raises(InputError, match="lists no recording"):
+        load_case(folder)
+
+
+def test_identifying_without_positions(folder: Path) -> None:
+    """Warn when a recording to identify from holds no position."""
+    columns = contract_columns()
+    del columns["ball_position_m"]
+    write(folder / "a.csv", columns)
+    assert any("nothing can be identified" in text for text in warnings(load_case(folder)))
+
+
+def test_empty_folder(tmp_path: Path) -> None:
+    """Refuse a folder without recordings."""
+    with pytest.raises(InputError, match="holds no CSV recording"):
+        load_case(tmp_path)
+
+
+def test_path_misspelt(folder: Path) -> None:
+    """Suggest the neighbour that may be meant."""
+    with pytest.raises(InputError, match=r"no such file or folder\. Did you mean .*rig\.toml"):
+        load_case(folder / "rig.tml")
+
+
+def test_bad_recording_spoils_the_case(folder: Path) -> None:
+    """Return nothing in part: an unusable recording is an error of the whole case."""
+    (folder / "b.csv").write_text("time_s,beam_angle_rad\n0,zero\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"b\.csv, row 2, column 'beam_angle_rad'"):
+        load_case(folder)
