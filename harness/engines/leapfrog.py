@@ -1,0 +1,162 @@
+"""What engines that keep velocities half a step behind have in common: grid, start, centred velocities, output.
+
+Semi-implicit Euler is the leapfrog scheme if its velocities are read at t − dt/2. Taken so, positions are of second
+order; taken at t, the start alone costs 1.5 mm per ms of dt on the paper's rig.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from analytic.geometry import to_world
+from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
+from analytic.rig import Rig
+from harness.errors import InputError
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Beam angles on the engine's own time grid t_n = t₀ + n dt, n = 0 … steps.
+
+    The last stamp asked for lies before t_{steps−1}, so that a centred velocity exists on both sides of it.
+
+    Attributes:
+        time_step: dt [s].
+        time: shape (steps + 1,) [s].
+        angle: α, shape (steps + 1,) [rad].
+        rate: mean rate (α_{n+1} − α_n)/dt, shape (steps,) [rad/s]; a joint that turns with it meets every α_n.
+    """
+
+    time_step: float
+    time: FloatArray
+    angle: FloatArray
+    rate: FloatArray
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.rate)
+
+
+def grid_of(motion: BeamMotion, stamps: FloatArray, time_step: float) -> Grid:
+    """The grid that covers `stamps`, shape (n,) [s].
+
+    A motion is known up to the last stamp only; the rest of the last step continues it with its last derivatives.
+
+    Raises:
+        InputError: stamps do not increase, or the motion is not finite.
+    """
+    stamps = np.asarray(stamps, dtype=float)
+    if stamps.ndim != 1 or stamps.size == 0 or not np.isfinite(stamps).all() or (np.diff(stamps) <= 0.0).any():
+        raise InputError("the time stamps given to an engine must be finite and strictly increasing")
+    first, last = float(stamps[0]), float(stamps[-1])
+    cells = math.ceil((last - first) / time_step - 1e-6)  # a stamp 1e-6 dt beyond t_n belongs to t_n
+    steps = max(cells, 1) + 1
+    time = first + time_step * np.arange(steps + 1, dtype=np.float64)
+    beyond = np.maximum(time - last, 0.0)
+    known = np.minimum(time, last)
+    angle: FloatArray = motion.angle(known)
+    end = np.array([last])
+    angle = angle + beyond * motion.rate(end)[0] + 0.5 * beyond**2 * motion.acceleration(end)[0]
+    if not np.isfinite(angle).all():
+        bad = float(time[np.flatnonzero(~np.isfinite(angle))[0]])
+        raise InputError(f"the beam motion is not finite at t = {bad:.3f} s; check the recorded angle there")
+    return Grid(time_step, time, angle, np.asarray(np.diff(angle) / time_step, dtype=np.float64))
+
+
+@dataclass(frozen=True)
+class Start:
+    """The ball at t₀, with velocities at t₀ − dt/2.
+
+    Attributes:
+        centre: of the ball at t₀, world frame [m].
+        velocity: of the centre at t₀ − dt/2, world frame [m/s].
+        spin: φ̇ about +y at t₀ − dt/2 [rad/s].
+        velocity_along: ṡ at t₀ − dt/2 [m/s].
+        acceleration_along: s̈ at t₀ [m/s²].
+    """
+
+    centre: Vector
+    velocity: Vector
+    spin: float
+    velocity_along: float
+    acceleration_along: float
+
+
+def start_of(rig: Rig, motion: BeamMotion, grid: Grid, start: State, force: BallForce | None) -> Start:
+    """The rolling ball half a step before t₀; eq. 14 gives s̈ at t₀, everything later is the engine's."""
+    first, dt = grid.time[:1], grid.time_step
+    angle, rate, turn = (float(of(first)[0]) for of in (motion.angle, motion.rate, motion.acceleration))
+    s, v, r = start.position, start.velocity, rig.rolling_radius
+    extra = force(s, v, angle, float(first[0])) / rig.mass if force else 0.0
+    push = rig.gravity * math.sin(angle + rig.level_angle) + s * rate**2 - rig.lever * turn + extra
+    acceleration = rig.rolling_ratio * push
+    height = rig.eccentricity + r
+    now = to_world(s, 0.0, height, angle)
+    before = to_world(s - v * dt + 0.5 * acceleration * dt**2, 0.0, height, angle - rate * dt + 0.5 * turn * dt**2)
+    along = v - 0.5 * dt * acceleration
+    return Start(
+        centre=now,
+        velocity=((now[0] - before[0]) / dt, 0.0, (now[2] - before[2]) / dt),
+        spin=along / r + rate - 0.5 * dt * turn,
+        velocity_along=along,
+        acceleration_along=acceleration,
+    )
+
+
+@dataclass(frozen=True)
+class Track:
+    """The ball's path in the beam frame on the engine's grid; all of shape (k,), k at most steps + 1.
+
+    Attributes:
+        along: s [m].
+        across: y [m].
+        height: of the centre above the edge plane [m].
+        rolled: φ − α since the start, from the engine's spin [rad].
+    """
+
+    along: FloatArray
+    across: FloatArray
+    height: FloatArray
+    rolled: FloatArray
+
+
+def track_of(rig: Rig, grid: Grid, centres: FloatArray, spin_angle: FloatArray) -> Track:
+    """Turn world positions, shape (k, 3) [m], and the ball's angle about +y, shape (k,) [rad], into the beam frame."""
+    x, y, z = centres.T
+    angle = grid.angle[: len(centres)]
+    cos, sin = np.cos(angle), np.sin(angle)
+    return Track(
+        along=x * cos - z * sin,
+        across=y,
+        height=z * cos + x * sin - rig.eccentricity,
+        rolled=spin_angle - spin_angle[0] - (angle - angle[0]),
+    )
+
+
+def spin_angle_of(sine: FloatArray, cosine: FloatArray) -> FloatArray:
+    """Angle turned about +y [rad], shape (k,), from the quaternions' y and w parts; a step may turn by less than π."""
+    return np.unwrap(2.0 * np.arctan2(sine, cosine), period=2.0 * np.pi)
+
+
+def sample(
+    source: str, rig: Rig, grid: Grid, track: Track, start: State, stamps: FloatArray
+) -> tuple[Trajectory, FloatArray]:
+    """Trajectory and rolled angle [rad] at exactly the stamps, by cubic Hermite interpolation of the grid.
+
+    Node velocities are centred differences, the mean of the velocities half a step before and after; at t₀ the ball
+    rolls with the velocity it was given.
+    """
+    time, dt = grid.time[:-1], grid.time_step
+    speed = (track.along[2:] - track.along[:-2]) / (2 * dt)
+    spin = (track.rolled[2:] - track.rolled[:-2]) / (2 * dt)
+    path = CubicHermiteSpline(time, track.along[:-1], np.concatenate([[start.velocity], speed]))
+    turned = CubicHermiteSpline(time, track.rolled[:-1], np.concatenate([[start.velocity / rig.rolling_radius], spin]))
+    stamps = np.asarray(stamps, dtype=float)
+    return Trajectory(source, stamps.copy(), path(stamps), path.derivative()(stamps)), turned(stamps)

@@ -1,0 +1,118 @@
+"""The URDF is the rig: contacts, mass and drawing as declared, files as made."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pybullet
+import pytest
+
+from analytic.geometry import to_beam, to_world
+from analytic.rig import Rig
+from urdf.scene import BALL_FILE, BEAM_FILE, ball_urdf, beam_urdf, rail_axis, write
+
+SMALL = Rig(radius=0.01, rolling_radius=0.007, inertia=2.84e-6, eccentricity=-0.02)
+
+
+@pytest.fixture
+def client() -> Iterator[int]:
+    """A physics server."""
+    number = pybullet.connect(pybullet.DIRECT)
+    yield number
+    pybullet.disconnect(number)
+
+
+def load(client: int, beam_file: Path, ball_file: Path, rig: Rig, angle: float) -> tuple[int, int]:
+    """Beam at α [rad] and ball at s = 0.3 m."""
+    beam = pybullet.loadURDF(str(beam_file), useFixedBase=True, physicsClientId=client)
+    ball = pybullet.loadURDF(str(ball_file), flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client)
+    pybullet.resetJointState(beam, 0, angle, physicsClientId=client)
+    centre = to_world(0.3, 0.0, rig.eccentricity + rig.rolling_radius, angle)
+    pybullet.resetBasePositionAndOrientation(ball, centre, (0, 0, 0, 1), physicsClientId=client)
+    return beam, ball
+
+
+def test_committed_files_are_those_of_the_papers_rig() -> None:
+    """Compare the committed files with what is made for the paper's rig."""
+    assert BEAM_FILE.read_text(encoding="utf-8") == beam_urdf(Rig())
+    assert BALL_FILE.read_text(encoding="utf-8") == ball_urdf(Rig())
+
+
+@pytest.mark.parametrize("rig", [Rig(), SMALL], ids=["paper", "small"])
+@pytest.mark.parametrize("angle", [0.0, 0.06])
+def test_ball_touches_the_two_edges(client: int, tmp_path: Path, rig: Rig, angle: float) -> None:
+    """Find exactly two contacts, on the sharp edges, with the normals of the groove."""
+    beam, ball = load(client, *write(tmp_path, rig), rig, angle)
+    pybullet.performCollisionDetection(physicsClientId=client)
+    contacts = pybullet.getContactPoints(ball, beam, physicsClientId=client)
+    assert len(contacts) == 2
+    for contact, side in zip(sorted(contacts, key=lambda point: point[6][1]), (-1.0, 1.0), strict=True):
+        # The file carries 15 digits of lengths below 1 m: 1e-15 m, and a few roundings of the collision code.
+        assert contact[8] == pytest.approx(0.0, abs=1e-13)
+        edge = to_beam(*contact[6], angle)
+        assert edge == pytest.approx((0.3, side * rig.half_gap, rig.eccentricity), abs=1e-13)
+        normal = to_beam(*contact[7], angle)
+        lean = (0.0, -side * math.sin(rig.contact_angle), math.cos(rig.contact_angle))
+        assert normal == pytest.approx(lean, abs=1e-11)  # 1e-13 m over the distance R + ρ of 11 mm
+
+
+def test_committed_files_load_as_the_rig(client: int) -> None:
+    """Load the committed files as they are and find the joint, the mass and the inertia of Table 1."""
+    rig = Rig()
+    beam, ball = load(client, BEAM_FILE, BALL_FILE, rig, 0.0)
+    assert pybullet.getNumJoints(beam, physicsClientId=client) == 1
+    joint = pybullet.getJointInfo(beam, 0, physicsClientId=client)
+    assert (joint[1], joint[13]) == (b"pivot", (0.0, 1.0, 0.0))
+    dynamics = pybullet.getDynamicsInfo(ball, -1, physicsClientId=client)
+    assert dynamics[0] == rig.mass
+    assert dynamics[2] == (rig.inertia,) * 3
+
+
+def test_drawing_shows_stand_beam_and_ball(client: int) -> None:
+    """Render the committed files and find stand, beam and ball in the picture, the ball above the beam."""
+    beam, ball = load(client, BEAM_FILE, BALL_FILE, Rig(), 0.0)
+    view = pybullet.computeViewMatrix((0.3, -0.9, 0.05), (0.3, 0.0, -0.05), (0, 0, 1))
+    lens = pybullet.computeProjectionMatrixFOV(45, 4 / 3, 0.01, 5)
+    renderer, flags = pybullet.ER_TINY_RENDERER, pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
+    *_, mask = pybullet.getCameraImage(160, 120, view, lens, renderer=renderer, flags=flags, physicsClientId=client)
+    seen = np.reshape(mask, (120, 160))
+
+    def rows(body: int, link: int) -> np.ndarray:
+        return np.nonzero(seen == body + ((link + 1) << 24))[0]
+
+    stand, channel, sphere = rows(beam, -1), rows(beam, 0), rows(ball, -1)
+    assert len(stand) > 100
+    assert len(channel) > 100
+    assert len(sphere) > 4
+    assert sphere.min() < channel.min() < stand.max()  # rows count downwards
+
+
+def test_rails_keep_the_contact_for_any_tube() -> None:
+    """Find the rails' axes at R + ρ from the ball's centre, in line with the edge, for every tube radius."""
+    rig = Rig()
+    for tube in (1e-4, 1e-3, 1e-2):
+        y, z = rail_axis(rig, tube)
+        drop = rig.eccentricity + rig.rolling_radius - z
+        assert math.hypot(y, drop) == pytest.approx(rig.radius + tube, rel=1e-14)
+        assert math.atan2(y, drop) == pytest.approx(rig.contact_angle, rel=1e-12)
+
+
+def test_view_snippet_of_the_readme_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the snippet of the README, without a window and without waiting."""
+    text = Path(BEAM_FILE.parent, "README.md").read_text(encoding="utf-8")
+    (snippet,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    monkeypatch.setattr(time, "sleep", lambda _: None)
+    monkeypatch.setattr(pybullet, "GUI", pybullet.DIRECT)
+    scope: dict[str, object] = {}
+    try:
+        exec(snippet, scope)
+        x, _, z = pybullet.getBasePositionAndOrientation(scope["ball"])[0]
+    finally:
+        pybullet.disconnect()
+    rig = Rig()
+    assert math.hypot(x, z) == pytest.approx(math.hypot(0.36, rig.eccentricity + rig.rolling_radius), rel=1e-12)

@@ -1,0 +1,1 @@
+"""The rig as URDF, for PyBullet and for anything else that reads it."""

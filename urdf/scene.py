@@ -1,0 +1,189 @@
+"""The rig as URDF text, for any rig; every length comes from `analytic.geometry`.
+
+The ball touches two capsules ("rails") that stand for the channel's inner top edges. A capsule is the only shape whose
+contact with a sphere PyBullet computes in closed form: boxes are rounded by their margin, meshes bring internal edges.
+The channel itself, the bearing and the base plate are drawn only.
+
+`python -m urdf.scene` writes `ball_beam.urdf` and `ball.urdf` for the paper's rig.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+from analytic.geometry import Channel, channel_of
+from analytic.rig import Rig
+
+BEAM_FILE = Path(__file__).with_name("ball_beam.urdf")
+BALL_FILE = Path(__file__).with_name("ball.urdf")
+PIVOT, CHORD_X, CHORD_Z = "pivot", "chord_x", "chord_z"  # names of the joints
+
+TUBE_RADIUS = 0.001  # of the rails [m]: a lip that fits into a 2 mm wall; the ball's path does not depend on it
+BEAM_INERTIA = 1e6  # mass [kg] and inertia [kg m²]: the ball's reaction turns the beam by less than 1e-12 rad a step
+
+# The drawn stand; nothing touches it [m].
+PLATE_THICKNESS = 0.006
+PLATE_GAP = 0.001
+BRACKET_WIDTH = 0.03
+AXLE_RADIUS = 0.005
+BASE_DROP = 0.15  # the far end of the beam sinks by 0.07 m at 6°
+BASE_THICKNESS = 0.01
+BASE_WIDTH = 0.12
+
+ALUMINIUM, STEEL, STAND, BASE = "0.78 0.80 0.83 1", "0.45 0.47 0.50 1", "0.25 0.32 0.42 1", "0.18 0.18 0.20 1"
+
+Vector = tuple[float, float, float]
+
+
+def rail_axis(rig: Rig, tube_radius: float = TUBE_RADIUS) -> tuple[float, float]:
+    """|y| and z of the rails' axes [m] in the beam frame.
+
+    Ball and tube touch where their centres' line meets both surfaces. With the tube's axis at a distance R + ρ from the
+    ball's centre, along the contact normal of the sharp edge, the contact point is that edge for every ρ.
+    """
+    stretch = (rig.radius + tube_radius) / rig.radius
+    return rig.half_gap * stretch, rig.eccentricity + rig.rolling_radius * (1.0 - stretch)
+
+
+def beam_urdf(
+    rig: Rig, channel: Channel | None = None, *, tube_radius: float = TUBE_RADIUS, driven: bool = False
+) -> str:
+    """URDF of stand and beam.
+
+    Args:
+        rig: the rig.
+        channel: its channel; `None` draws the paper's.
+        tube_radius: ρ of the rails [m].
+        driven: what `harness.engines.pybullet` steps: nothing drawn, and between base and pivot two sliding
+            joints, `chord_x` and `chord_z`, which stay at zero and only lend the beam a surface velocity.
+    """
+    channel = channel or channel_of(rig)
+    robot = ElementTree.Element("robot", name="ball_beam")
+    base = _link(robot, "base", mass=0.0, inertia=0.0)
+    parent = "base"
+    for name, axis in ((CHORD_X, "1 0 0"), (CHORD_Z, "0 0 1")) if driven else ():
+        _link(robot, f"carriage_{name}", mass=BEAM_INERTIA, inertia=BEAM_INERTIA)
+        slide = _joint(robot, name, "prismatic", parent, f"carriage_{name}", axis=axis)
+        ElementTree.SubElement(slide, "limit", lower="-1", upper="1", effort="0", velocity="1")
+        parent = f"carriage_{name}"
+    beam = _link(robot, "beam", mass=BEAM_INERTIA, inertia=BEAM_INERTIA)
+    _joint(robot, PIVOT, "continuous", parent, "beam", axis="0 1 0")
+    across, height = rail_axis(rig, tube_radius)
+    for y in (across, -across):
+        rail = ElementTree.SubElement(beam, "collision")
+        _origin(rail, (channel.centre, y, height), turn=(0.0, math.pi / 2, 0.0))
+        _shape(rail, "capsule", radius=tube_radius, length=channel.length)
+    if not driven:
+        _draw_channel(beam, channel)
+        _draw_stand(base, channel)
+    return _text(robot)
+
+
+def ball_urdf(rig: Rig) -> str:
+    """URDF of the ball: its declared mass and inertia, which need not be those of a homogeneous sphere."""
+    robot = ElementTree.Element("robot", name="ball")
+    ball = _link(robot, "ball", mass=rig.mass, inertia=rig.inertia)
+    _shape(ElementTree.SubElement(ball, "collision"), "sphere", radius=rig.radius)
+    visual = ElementTree.SubElement(ball, "visual")
+    _shape(visual, "sphere", radius=rig.radius)
+    _paint(visual, "steel", STEEL)
+    return _text(robot)
+
+
+def write(folder: Path, rig: Rig | None = None) -> tuple[Path, Path]:
+    """Write both files for `rig` (`None` for the paper's) into `folder`; returns their paths."""
+    rig = rig or Rig()
+    beam, ball = folder / BEAM_FILE.name, folder / BALL_FILE.name
+    beam.write_text(beam_urdf(rig), encoding="utf-8")
+    ball.write_text(ball_urdf(rig), encoding="utf-8")
+    return beam, ball
+
+
+def _draw_channel(beam: ElementTree.Element, channel: Channel) -> None:
+    """Walls, floor, brackets down to the axle, and the axle."""
+    outer = channel.half_gap + channel.wall_thickness
+    floor = channel.edge_height - channel.wall_height
+    middle = channel.edge_height - 0.5 * channel.wall_height
+    for side in (1.0, -1.0):
+        wall = (channel.centre, side * (channel.half_gap + 0.5 * channel.wall_thickness), middle)
+        _box(beam, (channel.length, channel.wall_thickness, channel.wall_height), wall, "aluminium", ALUMINIUM)
+        low, high = min(floor, -2 * AXLE_RADIUS), max(channel.edge_height - channel.wall_thickness, 2 * AXLE_RADIUS)
+        bracket = (0.0, side * (outer + 0.5 * PLATE_THICKNESS), 0.5 * (low + high))
+        _box(beam, (BRACKET_WIDTH, PLATE_THICKNESS, high - low), bracket, "steel", STEEL)
+    bottom = (channel.centre, 0.0, floor - 0.5 * channel.floor_thickness)
+    _box(beam, (channel.length, 2 * outer, channel.floor_thickness), bottom, "aluminium", ALUMINIUM)
+    axle = ElementTree.SubElement(beam, "visual")
+    _origin(axle, (0.0, 0.0, 0.0), turn=(math.pi / 2, 0.0, 0.0))
+    _shape(axle, "cylinder", radius=AXLE_RADIUS, length=2 * (outer + 3 * PLATE_THICKNESS))
+    _paint(axle, "steel", STEEL)
+
+
+def _draw_stand(base: ElementTree.Element, channel: Channel) -> None:
+    """The two cheeks that carry the axle, and the base plate."""
+    cheek = channel.half_gap + channel.wall_thickness + 1.5 * PLATE_THICKNESS + PLATE_GAP
+    top = 3 * AXLE_RADIUS
+    for side in (1.0, -1.0):
+        size = (2 * BRACKET_WIDTH, PLATE_THICKNESS, BASE_DROP + top)
+        _box(base, size, (0.0, side * cheek, 0.5 * (top - BASE_DROP)), "stand", STAND)
+    plate = (channel.centre, 0.0, -BASE_DROP - 0.5 * BASE_THICKNESS)
+    _box(base, (channel.length, BASE_WIDTH, BASE_THICKNESS), plate, "base", BASE)
+
+
+def _link(robot: ElementTree.Element, name: str, *, mass: float, inertia: float) -> ElementTree.Element:
+    link = ElementTree.SubElement(robot, "link", name=name)
+    inertial = ElementTree.SubElement(link, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=_number(mass))
+    moments = dict.fromkeys(("ixx", "iyy", "izz"), _number(inertia)) | dict.fromkeys(("ixy", "ixz", "iyz"), "0")
+    ElementTree.SubElement(inertial, "inertia", moments)
+    return link
+
+
+def _joint(
+    robot: ElementTree.Element, name: str, kind: str, parent: str, child: str, *, axis: str
+) -> ElementTree.Element:
+    joint = ElementTree.SubElement(robot, "joint", name=name, type=kind)
+    ElementTree.SubElement(joint, "parent", link=parent)
+    ElementTree.SubElement(joint, "child", link=child)
+    ElementTree.SubElement(joint, "axis", xyz=axis)
+    return joint
+
+
+def _box(link: ElementTree.Element, size: Vector, centre: Vector, material: str, colour: str) -> None:
+    visual = ElementTree.SubElement(link, "visual")
+    _origin(visual, centre)
+    geometry = ElementTree.SubElement(visual, "geometry")
+    ElementTree.SubElement(geometry, "box", size=_numbers(size))
+    _paint(visual, material, colour)
+
+
+def _shape(element: ElementTree.Element, kind: str, **lengths: float) -> None:
+    geometry = ElementTree.SubElement(element, "geometry")
+    ElementTree.SubElement(geometry, kind, {name: _number(length) for name, length in lengths.items()})
+
+
+def _origin(element: ElementTree.Element, centre: Vector, turn: Vector = (0.0, 0.0, 0.0)) -> None:
+    ElementTree.SubElement(element, "origin", xyz=_numbers(centre), rpy=_numbers(turn))
+
+
+def _paint(visual: ElementTree.Element, name: str, colour: str) -> None:
+    ElementTree.SubElement(ElementTree.SubElement(visual, "material", name=name), "color", rgba=colour)
+
+
+def _number(value: float) -> str:
+    return f"{value:.15g}"  # one digit less than a double has: 0.165 instead of 0.16499999999999998
+
+
+def _numbers(values: Vector) -> str:
+    return " ".join(map(_number, values))
+
+
+def _text(robot: ElementTree.Element) -> str:
+    ElementTree.indent(robot)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+if __name__ == "__main__":
+    for path in write(Path(__file__).parent):
+        print(path)
