@@ -1,0 +1,33 @@
+"""Prints the table of validated accuracy when tests that establish it have run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+Establish = Callable[..., None]
+_KEY = "accuracy"
+
+
+@pytest.fixture
+def establish(record_property: Callable[[str, object], None]) -> Establish:
+    """Record one line of the table and hold the measured figure to its tolerance."""
+
+    def one(quantity: str, reference: str, *, tolerance: float, measured: float, unit: str) -> None:
+        record_property(_KEY, [quantity, reference, f"{tolerance:g} {unit}", f"{measured:.2g} {unit}"])
+        assert measured <= tolerance, f"{quantity} against {reference}: {measured:.3g} {unit}, allowed {tolerance:g}"
+
+    return one
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """One Markdown row a line, ready for the README."""
+    reports = [*terminalreporter.stats.get("passed", []), *terminalreporter.stats.get("failed", [])]
+    rows = [value for report in reports for key, value in report.user_properties if key == _KEY]
+    if rows:
+        terminalreporter.section("validated accuracy")
+        terminalreporter.line("| quantity | reference | tolerance | measured |")
+        terminalreporter.line("|---|---|---|---|")
+        for row in rows:
+            terminalreporter.line("| " + " | ".join(row) + " |")
