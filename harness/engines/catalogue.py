@@ -100,7 +100,9 @@ def _known(engine: str) -> str:
 
 
 def _value(text: str) -> Any:
-    """A TOML value; what is none is taken as a text."""
+    """A TOML value, or `none`, for which TOML has no word; anything else is taken as a text."""
+    if text == "none":
+        return None
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:

@@ -95,8 +95,8 @@ def _dartpy() -> ModuleType:
         import dartpy
     except ImportError as error:
         raise InputError(
-            "the engine dart needs the package dartpy, which is not installed; "
-            "install it with: pip install 'ball-beam-harness[dart]'"
+            f"the engine dart needs the package dartpy, which is not installed or does not load ({error}); install it "
+            "with pip install '.[dart]' in the harness's own folder, and the system library if one is named here"
         ) from error
     module: ModuleType = dartpy
     return module

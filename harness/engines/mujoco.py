@@ -1,0 +1,244 @@
+"""MuJoCo: the ball between the edges of two boxes on a hinge that is driven by its angular acceleration.
+
+Semi-implicit Euler keeps velocities at t − dt/2. A hinge of inertia 1e11 kg m² that starts with the rate at −dt/2 and
+is given the second difference of the recorded angle meets every recorded angle to 3e-10 rad, whatever lies on it.
+
+What has to be right for the validated accuracy (each with a test in `tests/engines/test_mujoco.py`, numbers in
+mjcf/README.md): the start half a step early; a margin that lets the soft contact carry the ball at its declared height;
+friction that removes 1.8 times the slip per step, because the contact's frame lags half a step behind; and friction
+across the beam that leaves the load to the normals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from scipy.optimize import brentq
+
+from analytic.geometry import RAIL_REACH, channel_of, to_beam
+from analytic.motion import BallForce, BeamMotion, FloatArray, State
+from analytic.rig import Rig
+from harness.engines.health import Failure
+from harness.engines.leapfrog import Grid, Start, grid_of, sample, spin_angle_of, start_of, track_of
+from harness.engines.mujoco_parameters import MuJoCoParameters
+from harness.engines.protocol import EngineParameters, EngineRun
+from harness.engines.watch import Limits, Samples, judge, limits_of
+from harness.errors import EngineFailure, InputError
+from mjcf.scene import make_scene
+
+CHUNK = 500  # steps between two looks at whether it is worth going on
+# A flight this long passes if the ball touched before and after it. The moment of momentum about the contact line does
+# not know whether the ball flies or rolls, so that it lands with the state it would have had: at 3° it strays by
+# (1 − K) g sin α t²/2 = 8 µm meanwhile.
+FLIGHT = 0.01
+
+
+class MuJoCo:
+    """The rig in MuJoCo; see `harness.engines.protocol.Engine`."""
+
+    name: str = "mujoco"
+    parameters: type[EngineParameters] = MuJoCoParameters
+
+    def version(self) -> str:
+        """Version of the installed package."""
+        return str(mujoco.__version__)
+
+    def run(
+        self,
+        rig: Rig,
+        motion: BeamMotion,
+        start: State,
+        time: FloatArray,
+        *,
+        parameters: EngineParameters | None = None,
+        force: BallForce | None = None,
+    ) -> EngineRun:
+        """Drive the beam and follow the ball; arguments as in `Engine.run`.
+
+        Raises:
+            EngineFailure: the run cannot be trusted.
+            InputError: stamps, motion, settings or groove cannot be worked with.
+        """
+        settings = parameters if parameters is not None else MuJoCoParameters()
+        if not isinstance(settings, MuJoCoParameters):
+            raise InputError(f"mujoco needs MuJoCoParameters, not {type(settings).__name__}")
+        limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
+        grid = grid_of(motion, time, settings.time_step)
+        first = start_of(rig, motion, grid, start, force)
+        begin = grid.time[:1]
+        rate = float((motion.rate(begin) - 0.5 * grid.time_step * motion.acceleration(begin))[0])
+        with _quiet():
+            model = _load(rig, settings)
+            lift = _settle(self.name, model, rig, settings.margin, grid)
+            data = _place(model, first, float(grid.angle[0]), rate, lift)
+            log = _drive(model, data, rig, grid, first, rate, force, limits)
+        track = track_of(rig, grid, log.pose[:, 1:4], spin_angle_of(log.pose[:, 6], log.pose[:, 4]))
+        samples, contacts_min, normal_force_min = _samples(rig, grid, log)
+        health = judge(self.name, rig, grid, track, samples, limits)
+        if log.stopped is not None:
+            failure, what = log.stopped
+            raise EngineFailure(self.name, failure, float(grid.time[len(log.pose) - 1]), f"{what}; {failure.value}")
+        health = replace(health, contacts_min=contacts_min, normal_force_min=normal_force_min)
+        trajectory, rolled = sample(self.name, rig, grid, track, start, time)
+        return EngineRun(trajectory, rolled, replace(health, warnings=_warnings(data)))
+
+
+@dataclass(frozen=True)
+class _Log:
+    """What was recorded, one row a step, up to where a run ended or stopped being one.
+
+    Attributes:
+        pose: α [rad], centre [m] and quaternion, shape (k + 1, 8).
+        force: of the contacts at both rails, normal first, shape (k, 6) [N].
+        stopped: why the engine itself gave up, if it did.
+    """
+
+    pose: FloatArray
+    force: FloatArray
+    stopped: tuple[Failure, str] | None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """MuJoCo counts its warnings in the data; keep it from also printing them and writing MUJOCO_LOG.TXT."""
+    handler = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(handler)
+
+
+def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
+    channel = channel_of(rig, x_from=-RAIL_REACH, x_to=RAIL_REACH)
+    scene = make_scene(rig, channel=channel, option=settings.option(rig), pair=settings.pair(rig), driven=True)
+    model = mujoco.MjModel.from_xml_string(scene)
+    if not settings.refsafe:
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_REFSAFE
+    return model
+
+
+def _settle(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
+    """Let the contacts carry the ball's weight, and return how far above h + r that holds its centre [m].
+
+    Without a margin the ball sinks into its soft contacts, by 0.07 µm at dt = 1 ms with the defaults and by 0.3 mm with
+    MuJoCo's own: that changes r, and s by 4 µm and by 16 mm in 10 s. A margin of that depth raises it back.
+    """
+    data = mujoco.MjData(model)
+    model.pair_margin[:] = 0.0
+    level = float(data.qpos[3])
+
+    def unbalanced(depth: float) -> float:
+        data.qpos[3] = level - depth
+        mujoco.mj_forward(model, data)
+        return float(data.qacc[3])
+
+    deepest, depth = 0.1 * rig.rolling_radius, 1e-12
+    while unbalanced(depth) <= 0.0:
+        depth *= 10.0
+        if depth > deepest:
+            failure = Failure.LEFT_GROOVE
+            text = f"the contacts are too soft to carry the ball; {failure.value}"
+            raise EngineFailure(engine, failure, float(grid.time[0]), text)
+    unbalanced(brentq(unbalanced, 0.0, depth, xtol=1e-15))
+    sunk = -float(data.contact.dist.min())
+    model.pair_margin[:] = sunk if margin is None else margin
+    return 0.0 if margin is None else (margin - sunk) * rig.radius / rig.rolling_radius
+
+
+def _place(model: mujoco.MjModel, first: Start, angle: float, rate: float, lift: float) -> mujoco.MjData:
+    """Beam and ball at t₀, with velocities at t₀ − dt/2."""
+    data = mujoco.MjData(model)
+    up = np.array([np.sin(angle), 0.0, np.cos(angle)])
+    data.qpos[0], data.qpos[1:4] = angle, np.array(first.centre) + lift * up
+    data.qvel[0], data.qvel[1:4], data.qvel[5] = rate, first.velocity, first.spin
+    return data
+
+
+def _drive(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    rig: Rig,
+    grid: Grid,
+    first: Start,
+    rate: float,
+    force: BallForce | None,
+    limits: Limits,
+) -> _Log:
+    """Step through the grid; stops early where `judge` will raise."""
+    dt, steps = grid.time_step, grid.steps
+    turns = (np.diff(grid.rate, prepend=rate) / dt).tolist()
+    poses, forces, clock = np.empty((steps + 1, model.nq)), np.empty((steps, model.nsensordata)), np.zeros(steps + 1)
+    poses[0] = data.qpos
+    pose, control, sensors, step = data.qpos, data.ctrl, data.sensordata, mujoco.mj_step
+    push = None if force is None else _Push(force, grid, first, data)
+    for begin in range(0, steps, CHUNK):
+        end = min(begin + CHUNK, steps)
+        for n in range(begin, end):
+            control[0] = turns[n]
+            if push is not None:
+                push.apply(n)
+            step(model, data)
+            poses[n + 1] = pose
+            forces[n] = sensors
+            clock[n + 1] = data.time
+        late = np.flatnonzero(np.diff(clock[begin : end + 1]) < 0.5 * dt)
+        if late.size:
+            n = begin + int(late[0])
+            reset = clock[n + 1] < clock[n]
+            why = (Failure.RESET, "MuJoCo reset its state") if reset else (Failure.FROZEN, "MuJoCo's clock stood still")
+            return _Log(poses[: n + 1], forces[: max(n, 1)], why)
+        x, y, z = poses[end, 1:4].tolist()
+        along, across, normal = to_beam(x, y, z, float(grid.angle[end]))
+        if limits.broken(along, across, normal - rig.eccentricity - rig.rolling_radius):
+            return _Log(poses[: end + 1], forces[:end], None)
+    return _Log(poses, forces, None)
+
+
+class _Push:
+    """Applies the extra force F(s, ṡ, α, t) at t_n. The engine knows ṡ up to t_n − dt/2; two of them give it at t_n."""
+
+    def __init__(self, force: BallForce, grid: Grid, first: Start, data: mujoco.MjData) -> None:
+        self._force, self._dt = force, grid.time_step
+        self._time, self._angle = grid.time.tolist(), grid.angle.tolist()
+        self._cos, self._sin = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
+        self._pose, self._applied = data.qpos, data.qfrc_applied
+        self._speed = first.velocity_along - self._dt * first.acceleration_along
+        self._along = self._where(0) - self._dt * first.velocity_along
+
+    def _where(self, n: int) -> float:
+        return float(self._pose[1]) * self._cos[n] - float(self._pose[3]) * self._sin[n]
+
+    def apply(self, n: int) -> None:
+        """Set the force of the step from t_n on."""
+        along = self._where(n)
+        speed = (along - self._along) / self._dt
+        push = self._force(along, 1.5 * speed - 0.5 * self._speed, self._angle[n], self._time[n])
+        self._applied[1], self._applied[3] = push * self._cos[n], -push * self._sin[n]
+        self._along, self._speed = along, speed
+
+
+def _samples(rig: Rig, grid: Grid, log: _Log) -> tuple[Samples, int, float]:
+    """The best of every `FLIGHT` for the judge; fewest contacts and smallest load [N] of all steps for the record."""
+    normal = log.force[:, [0, 3]]
+    touching = (normal > 0.0).sum(axis=1)
+    load = normal.sum(axis=1) * rig.rolling_radius / rig.radius
+    error = np.abs(log.pose[:, 0] - grid.angle[: len(log.pose)])
+    every = max(1, round(FLIGHT / grid.time_step))
+    samples = Samples()
+    whole = max(1, len(touching) // every)  # what is left over joins the last
+    for n, end in zip(range(0, whole * every, every), [*range(every, whole * every, every), None], strict=True):
+        window = slice(n, end)
+        samples.add(n, int(touching[window].max()), float(load[window].max()), float(error[window].max()))
+    return samples, int(touching.min()), float(load.min())
+
+
+def _warnings(data: mujoco.MjData) -> tuple[str, ...]:
+    """What MuJoCo complained of, with how often."""
+    kinds = [kind for kind in mujoco.mjtWarning.__members__.values() if kind != mujoco.mjtWarning.mjNWARNING]
+    counts = [(kind.name.removeprefix("mjWARN_"), data.warning[int(kind)].number) for kind in kinds]
+    return tuple(f"{name} × {count}" for name, count in counts if count)

@@ -1,0 +1,293 @@
+"""The rig as MJCF text, for any rig; every length comes from `analytic.geometry`.
+
+The ball touches the inner top edges of two boxes, the channel's walls. MuJoCo computes the contact of a sphere with a
+box in closed form; a U-shaped mesh would become its convex hull and carry the ball on one contact.
+
+`python -m mjcf.scene` writes `ball_beam.xml` for the paper's rig.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from textwrap import indent
+
+from analytic.geometry import Channel, channel_of
+from analytic.rig import Rig
+
+SCENE_FILE = Path(__file__).with_name("ball_beam.xml")
+
+Attribute = str | float | Sequence[float]
+Attributes = Mapping[str, Attribute]
+
+TIME_STEP = 1e-3  # of the committed scene [s]
+ARMATURE = 1e11  # inertia of the pivot [kg m²]: the ball's weight (0.3 N m) turns the beam by 2e-10 rad in 10 s
+SERVO = 6 * math.pi  # natural frequency of the viewer's beam servo, critically damped [rad/s]
+SERVO_RANGE = math.radians(6.0)  # the paper's beam moves within ±6° [rad]
+BALL_AT = 0.36  # where the paper's runs start [m]
+
+# MuJoCo lays a contact's first tangent along world y as long as the normal leans less than 30° (|n_y| < 1/2): then it
+# is the across direction at any beam angle. Beyond, it starts from z, and only isotropic friction is sure of its axes.
+LEAN_LIMIT = 0.5
+# In a groove friction across the beam would share the load with the normals. At a 2000th of the friction along, and as
+# soft as `impratio_of` makes it, its share is below 1e-5 of the weight: each contact carries N R/(2 r), and the cone of
+# friction is never saturated, so that Newton's method converges in one iteration.
+ACROSS = 1 / 2000
+FRICTION = 0.5
+# Share of the slip velocity that friction removes in a step. MuJoCo builds a contact's frame at the step's beginning,
+# which leaves a slip of ½ s α̇² dt (2 − x)/x: it vanishes for x = 2, where the damping does too.
+RELAXATION = 1.8
+# With a time constant of 2 dt, the shortest MuJoCo allows, this takes off a penetration and its rate in one step:
+# λ² − (2 − b − k) λ + (1 − b) = 0 has λ = 0 twice for b = 2 dt/T and k = (dt/(T ζ))² both 1, T = 2 dt.
+DAMPING_RATIO = 0.5
+IMPEDANCE = 0.99
+
+# The drawn stand; nothing touches it [m].
+PLATE = 0.006
+BRACKET = 0.015
+AXLE_RADIUS = 0.005
+BASE_DROP = 0.15
+BASE_THICKNESS = 0.01
+BASE_WIDTH = 0.06
+
+
+def aligned(rig: Rig) -> bool:
+    """Whether the friction axes MuJoCo chooses lie along and across the beam at any beam angle."""
+    return math.sin(rig.contact_angle) < LEAN_LIMIT
+
+
+def default_option(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribute]:
+    """Attributes of `<option>` with which the scene reaches its validated accuracy."""
+    return {
+        "timestep": time_step,
+        "integrator": "Euler",
+        "solver": "Newton",
+        "cone": "elliptic",
+        "jacobian": "dense",  # 4.0.0 has a fault in the sparse Cholesky factorisation
+        "iterations": 50,
+        "tolerance": 1e-16,  # relative to the pivot's inertia
+        "impratio": impratio_of(ACROSS if aligned(rig) else 1.0),
+    }
+
+
+def default_pair(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribute]:
+    """Attributes of the ball's `<pair>` with each rail; friction is across, along, torsional, rolling, rolling."""
+    across = FRICTION * ACROSS if aligned(rig) else FRICTION
+    return {
+        "condim": 3,
+        "friction": (across, FRICTION, 0.0, 0.0, 0.0),
+        "solref": (2 * time_step, DAMPING_RATIO),
+        "solreffriction": friction_reference(RELAXATION, IMPEDANCE, time_step),
+        "solimp": (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0),
+        "margin": 0.0,
+        "gap": 0.0,
+    }
+
+
+def impratio_of(ratio: float) -> float:
+    """`impratio` for friction coefficients in the ratio across : along [1].
+
+    MuJoCo softens the across direction by 1/impratio, and the along direction by (across/along)² of that. This makes
+    the along direction ten times as hard as the normal, so that friction creeps little.
+    """
+    return min(1.0, 10.0 * ratio**2)
+
+
+def friction_reference(relaxation: float, impedance: float, time_step: float) -> tuple[float, float]:
+    """`solreffriction` that removes the share `relaxation` of a slip velocity in a step [1/s², 1/s].
+
+    MuJoCo divides the damping by the impedance dmax. Friction has no position to hold; the stiffness is idle.
+    """
+    return -1.0 / time_step**2, -relaxation * impedance / time_step
+
+
+def make_scene(
+    rig: Rig,
+    *,
+    channel: Channel | None = None,
+    option: Attributes | None = None,
+    pair: Attributes | None = None,
+    driven: bool = False,
+) -> str:
+    """MJCF of the rig, world and beam frames as in `analytic.geometry`.
+
+    Args:
+        rig: the rig; `level_angle` tilts gravity, so that it acts along the beam as g sin(α + α₀).
+        channel: its channel; `None` for the drawn one.
+        option: attributes of `<option>`, `None` for `default_option`.
+        pair: attributes of the contacts, `None` for `default_pair`.
+        driven: what `harness.engines.mujoco` steps: nothing drawn, the one actuator takes the beam's angular
+            acceleration [rad/s²], and sensors report both contacts. Otherwise a scene to look at and play with: a servo
+            that holds the angle it is given [rad], a stand, and stops at the channel's ends.
+    """
+    channel = channel or channel_of(rig)
+    # g sin(α + α₀) along e_s and −g cos(α + α₀) along e_n
+    gravity = (rig.gravity * math.sin(rig.level_angle), 0.0, -rig.gravity * math.cos(rig.level_angle))
+    settings = {"gravity": gravity, **(option or default_option(rig))}
+    touched = ["rail_left", "rail_right", *([] if driven else ["stop_near", "stop_far"])]
+    pairs = [_tag("pair", {"geom1": "ball", "geom2": name}) for name in touched]
+    sections = [
+        _tag("compiler", {"angle": "radian"}),
+        _tag("option", settings),
+        _tag("size", {"memory": "1M"}),
+        "" if driven else _LOOKS,
+        _block(
+            "default",
+            _tag("pair", pair or default_pair(rig)),
+            # only the explicit pairs below collide
+            _tag("geom", {"contype": 0, "conaffinity": 0} | ({} if driven else {"material": "aluminium"})),
+        ),
+        _block("worldbody", "" if driven else _stand(channel), _beam(channel, driven), _ball(rig, channel, driven)),
+        _block("contact", *pairs),
+        _block("actuator", _tag("motor", {"name": "turn", "joint": "pivot", "gear": ARMATURE}) if driven else _servo()),
+        _block("sensor", *map(_contact_sensor, ("rail_left", "rail_right"))) if driven else "",
+    ]
+    body = "\n\n".join(section for section in sections if section)
+    return f'<mujoco model="ball_beam">\n{indent(body, "  ", lambda line: line.strip() != "")}\n</mujoco>\n'
+
+
+def write(path: Path = SCENE_FILE, rig: Rig | None = None) -> Path:
+    """Write the scene of `rig` (`None` for the paper's) to `path`; returns it."""
+    path.write_text(make_scene(rig or Rig()), encoding="utf-8")
+    return path
+
+
+# Headlight down, a soft key light, and a mark on the ball so that one sees it roll.
+_LOOKS = """\
+<statistic center="0.3 0 -0.04" extent="0.6"/>
+
+<visual>
+  <headlight diffuse="0.35 0.35 0.35" ambient="0.3 0.3 0.3" specular="0.2 0.2 0.2"/>
+  <global azimuth="75" elevation="-20" fovy="35" offwidth="1920" offheight="1080"/>
+  <quality shadowsize="4096"/>
+  <map znear="0.005"/>
+</visual>
+
+<asset>
+  <texture name="sky" type="skybox" builtin="gradient" rgb1=".93 .95 .97" rgb2=".55 .62 .7" width="512" height="3072"/>
+  <texture name="steel" type="cube" builtin="flat" mark="cross" rgb1=".8 .81 .83" markrgb=".16 .17 .2" width="256"/>
+  <texture name="table" type="2d" builtin="checker" rgb1=".86 .85 .82" rgb2=".83 .82 .79" width="256" height="256"/>
+  <material name="steel" texture="steel" specular="1" shininess="0.9" reflectance="0.3"/>
+  <material name="aluminium" rgba="0.78 0.80 0.83 1" specular="0.6" shininess="0.5"/>
+  <material name="axle" rgba="0.45 0.47 0.50 1" specular="0.8" shininess="0.7"/>
+  <material name="stand" rgba="0.25 0.32 0.42 1" specular="0.3" shininess="0.3"/>
+  <material name="base" rgba="0.18 0.18 0.20 1" specular="0.2" shininess="0.2"/>
+  <material name="table" texture="table" texrepeat="8 8" texuniform="true" reflectance="0.08"/>
+</asset>"""
+
+
+def _stand(channel: Channel) -> str:
+    """Table, base plate, the two cheeks that carry the axle, lights and cameras."""
+    cheek = channel.half_gap + channel.wall_thickness + 1.5 * PLATE + 0.001
+    top = 3 * AXLE_RADIUS
+    cheeks = [
+        _box(f"cheek_{side}", (2 * BRACKET, PLATE / 2, (BASE_DROP + top) / 2), (0.0, y, (top - BASE_DROP) / 2), "stand")
+        for side, y in (("left", cheek), ("right", -cheek))
+    ]
+    plate = (channel.centre, 0.0, -BASE_DROP - BASE_THICKNESS / 2)
+    table: dict[str, Attribute] = {"name": "table", "type": "plane", "size": (0, 0, 0.05), "material": "table"}
+    fill: dict[str, Attribute] = {"directional": "true", "castshadow": "false"}
+    overview: dict[str, Attribute] = {"name": "overview", "fovy": 28}
+    return "\n".join(
+        [
+            _tag("light", {"pos": (0.1, -0.5, 1.3), "dir": (0.15, 0.38, -1), "diffuse": (0.4, 0.4, 0.4)}),
+            _tag("light", {**fill, "pos": (0, 0, 1.5), "dir": (0.3, 0.5, -1), "diffuse": (0.35, 0.35, 0.35)}),
+            _tag("camera", {**overview, "pos": (-0.08, -1.0, 0.36), "xyaxes": (0.935, -0.355, 0, 0.12, 0.316, 0.941)}),
+            _tag("camera", {"name": "side", "fovy": 28, "pos": (0.3, -1.2, -0.03), "xyaxes": (1, 0, 0, 0, 0, 1)}),
+            _tag("geom", {**table, "pos": (0, 0, -BASE_DROP - 1.1 * BASE_THICKNESS)}),
+            _box("base", (channel.length / 2, BASE_WIDTH, BASE_THICKNESS / 2), plate, "base"),
+            *cheeks,
+        ]
+    )
+
+
+def _beam(channel: Channel, driven: bool) -> str:
+    """The channel on its pivot."""
+    wall, tall = channel.wall_thickness / 2, channel.wall_height / 2
+    rails = [
+        _box(name, (channel.length / 2, wall, tall), (channel.centre, y, channel.edge_height - tall))
+        for name, y in (("rail_left", channel.half_gap + wall), ("rail_right", -channel.half_gap - wall))
+    ]
+    return _block(
+        'body name="beam"',
+        # A pivot inertia of its own makes the beam follow its drive whatever lies on it.
+        _tag("inertial", {"pos": (0, 0, 0), "mass": 1, "diaginertia": (1, 1, 1)}),
+        _tag("joint", {"name": "pivot", "type": "hinge", "axis": (0, 1, 0), "armature": ARMATURE}),
+        *rails,
+        *([] if driven else _fittings(channel)),
+    )
+
+
+def _fittings(channel: Channel) -> list[str]:
+    """Floor, end stops, brackets and axle."""
+    outer = channel.half_gap + channel.wall_thickness
+    floor = channel.edge_height - channel.wall_height
+    bottom = floor - channel.floor_thickness
+    end = channel.wall_thickness / 2
+    high = channel.ball_height
+    stops = [
+        _box(name, (end, outer, (high - bottom) / 2), (x, 0.0, (high + bottom) / 2))
+        for name, x in (("stop_near", channel.x_from - end), ("stop_far", channel.x_to + end))
+    ]
+    low, up = min(floor, -2 * AXLE_RADIUS), max(channel.edge_height - channel.wall_thickness, 2 * AXLE_RADIUS)
+    brackets = [
+        _box(f"bracket_{side}", (BRACKET, PLATE / 2, (up - low) / 2), (0.0, y, (up + low) / 2), "axle")
+        for side, y in (("left", outer + PLATE / 2), ("right", -outer - PLATE / 2))
+    ]
+    length = outer + 3 * PLATE
+    ends = (0, -length, 0, 0, length, 0)
+    axle = _tag("geom", {"name": "axle", "type": "cylinder", "size": AXLE_RADIUS, "fromto": ends, "material": "axle"})
+    middle = (channel.centre, 0.0, floor - channel.floor_thickness / 2)
+    return [
+        _box("floor", (channel.length / 2, outer, channel.floor_thickness / 2), middle),
+        *stops,
+        *brackets,
+        axle,
+    ]
+
+
+def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
+    """The ball with its declared inertia, which need not be that of a homogeneous sphere."""
+    looks = {} if driven else {"material": "steel"}
+    return _block(
+        f'body name="ball" pos="{_text((BALL_AT, 0.0, channel.ball_height))}"',
+        _tag("freejoint", {"name": "ball"}),
+        _tag("inertial", {"pos": (0, 0, 0), "mass": rig.mass, "diaginertia": (rig.inertia,) * 3}),
+        _tag("geom", {"name": "ball", "type": "sphere", "size": rig.radius, **looks}),
+    )
+
+
+def _servo() -> str:
+    gains = {"kp": ARMATURE * SERVO**2, "kv": 2 * ARMATURE * SERVO}
+    return _tag("position", {"name": "angle", "joint": "pivot", "ctrlrange": (-SERVO_RANGE, SERVO_RANGE), **gains})
+
+
+def _contact_sensor(rail: str) -> str:
+    return _tag("contact", {"name": rail, "geom1": "ball", "geom2": rail, "data": "force"})
+
+
+def _box(name: str, half: Sequence[float], centre: Sequence[float], material: str | None = None) -> str:
+    paint = {"material": material} if material else {}
+    return _tag("geom", {"name": name, "type": "box", "size": half, "pos": centre, **paint})
+
+
+def _block(head: str, *lines: str) -> str:
+    inner = indent("\n".join(line for line in lines if line), "  ", lambda line: line.strip() != "")
+    return f"<{head}>\n{inner}\n</{head.split()[0]}>"
+
+
+def _tag(name: str, attributes: Attributes) -> str:
+    return f"<{name} " + " ".join(f'{key}="{_text(value)}"' for key, value in attributes.items()) + "/>"
+
+
+def _text(value: Attribute) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Sequence):
+        return " ".join(map(_text, value))
+    return f"{value:.15g}"  # one digit less than a double has: 0.165 instead of 0.16499999999999998
+
+
+if __name__ == "__main__":
+    print(write())
