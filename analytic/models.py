@@ -43,13 +43,13 @@ class Reading(IntEnum):
 
     @property
     def dissipates(self) -> bool:
-        """Whether F_f ṡ >= 0 for every ṡ."""
+        """Whether F_f ṡ >= 0 for every ṡ, given f_b >= 0 and a beam short of the vertical."""
         return self is not Reading.PRINTED
 
     @property
     def unit(self) -> str:
         """The unit f_b must have for F_f to be a force."""
-        return {1: "s/m", 2: "s/m", 3: "1", 4: "N s/m"}.get(int(self), "")
+        return ("", "s/m", "s/m", "1", "N s/m")[self]
 
     @property
     def consistent_with_print(self) -> bool:
@@ -64,7 +64,7 @@ class Model:
     Attributes:
         name: what results call it.
         equation: where it stands in the paper.
-        inertia_radius: ρ, the ball's radius "R" or the rolling radius "r".
+        inertia_radius: ρ of s̈'s factor, the ball's radius "R" or the rolling radius "r"; the α̈ term always has r.
         centrifugal: keeps s α̇².
         eccentric: keeps the α̈ term.
         linear: sin α → α.
@@ -80,7 +80,11 @@ class Model:
     reading: Reading = Reading.NONE
 
     def variant(self, name: str, **changes: object) -> Model:
-        """The same model with some choices changed, under a name of its own."""
+        """The same model with some choices changed, under a name of its own.
+
+        Raises:
+            TypeError: there is no such choice.
+        """
         return replace(self, name=name, **changes)  # type: ignore[arg-type]
 
 

@@ -9,42 +9,9 @@ from scipy.interpolate import CubicHermiteSpline
 
 from analytic.motion import FloatArray
 from harness.virtual_rig import Run
+from tests.motions import Fixed, Sines
 
-
-@dataclass(frozen=True)
-class Fixed:
-    """A beam that stands still."""
-
-    tilt: float = 0.0
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad]."""
-        return np.full_like(time, self.tilt)
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
-        return np.zeros_like(time)
-
-    acceleration = rate
-
-
-@dataclass(frozen=True)
-class Sines:
-    """Σ a sin(ω t + p) over (a [rad], ω [rad/s], p [rad]); the default moves by about 3°."""
-
-    terms: tuple[tuple[float, float, float], ...] = ((0.04, 1.7, 0.0), (0.02, 3.1, 0.4))
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad]."""
-        return sum((a * np.sin(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
-        return sum((a * w * np.cos(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²]."""
-        return sum((-a * w * w * np.sin(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
+__all__ = ["Fixed", "Parabola", "Replay", "Sines"]
 
 
 @dataclass(frozen=True)
