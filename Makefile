@@ -1,0 +1,98 @@
+# Everything runs from .venv; what is in it is fixed by requirements.lock.
+#
+#   PYTHON=…  the interpreter to make .venv with
+#   JOBS=…    how many tests run side by side
+#   ARGS=…    further arguments, e.g. make test ARGS="-k lag"
+
+JOBS ?= 2
+BIN := .venv/bin
+LOCKED := .venv/.locked
+INSTALLED := .venv/.installed
+
+# A venv knows its own absolute path: where it was copied or moved, or lost its interpreter, its stamps mean nothing.
+ifneq ($(shell $(BIN)/python -c '' 2>/dev/null && cat $(LOCKED) 2>/dev/null),$(CURDIR))
+.PHONY: $(LOCKED)
+endif
+
+# PyBullet's wheels end at Python 3.11, so that comes first; for a newer one pip compiles it. A name on the path may be
+# a shim that leads nowhere: each is tried, not looked up.
+PYTHONS = $(or $(PYTHON),python3.11 python3 python3.12 python3.13 python3.14)
+FIND_PYTHON = found=; for python in $(PYTHONS); do \
+	  if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
+	done; \
+	if [ -z "$$found" ]; then \
+	  echo 'Python 3.11 or newer is needed; none among: $(PYTHONS).' >&2; \
+	  echo 'Install Python 3.11, or name one: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11' >&2; \
+	  exit 1; \
+	fi
+
+.PHONY: help
+help: ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
+
+.PHONY: setup
+setup: $(INSTALLED) ## make .venv with the console script `harness` (every other target does it when needed)
+
+# Stamps are written last: what was interrupted is begun anew.
+$(LOCKED): requirements.lock
+	@$(FIND_PYTHON); echo "Making .venv with $$($$found --version)" && $$found -m venv --clear .venv
+	@$(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 12))' || \
+	  echo 'PyBullet has no wheel for this Python and is compiled: that needs a C++ compiler and takes minutes.'
+	@echo "Installing $$(grep -c '^[a-z]' requirements.lock) packages, about 330 MB to fetch"
+	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --require-hashes -r requirements.lock
+	@echo '$(CURDIR)' > $@
+
+$(INSTALLED): $(LOCKED) pyproject.toml
+	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-index --no-deps --no-build-isolation -e .
+	@$(BIN)/python -m pip check || { echo 'requirements.lock is behind pyproject.toml: make lock' >&2; exit 1; }
+	@touch $@
+
+.PHONY: report
+report: $(INSTALLED) ## run every model and engine on the bundled recording: reports/paper_protocol/report.html
+	$(BIN)/harness run $(ARGS)
+
+.PHONY: test
+test: $(INSTALLED) ## the fast tests
+	$(BIN)/pytest -m "not slow" -n $(JOBS) $(ARGS)
+
+.PHONY: test-slow
+test-slow: $(INSTALLED) ## the tests that take minutes
+	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
+
+.PHONY: lint
+lint: $(INSTALLED) ## ruff: rules and format
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+.PHONY: format
+format: $(INSTALLED) ## let ruff repair what it can
+	$(BIN)/ruff check --fix-only .
+	$(BIN)/ruff format .
+
+.PHONY: typecheck
+typecheck: $(INSTALLED) ## mypy
+	$(BIN)/mypy
+
+.PHONY: scenes
+scenes: $(INSTALLED) ## write mjcf/*.xml and urdf/*.urdf anew
+	$(BIN)/python -m mjcf.scene
+	$(BIN)/python -m urdf.scene
+
+.PHONY: recording
+recording: $(INSTALLED) ## simulate the bundled recording anew
+	$(BIN)/python -m harness.virtual_rig.bundled
+
+# The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
+.PHONY: lock
+lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)
+	@$(FIND_PYTHON); $$found -m venv --clear build/lock
+	@build/lock/bin/python -m pip install --disable-pip-version-check --quiet 'uv>=0.8,<1'
+	build/lock/bin/uv pip compile pyproject.toml --all-extras --universal --fork-strategy fewest --generate-hashes \
+	  --no-emit-index-url --custom-compile-command 'make lock' --no-config --quiet -o requirements.lock $(ARGS)
+	build/lock/bin/uv pip compile requirements.lock --python-version 3.11 --python-platform x86_64-manylinux_2_28 \
+	  --only-binary :all: --no-config --quiet > build/lock/linux.txt
+
+.PHONY: clean
+clean: ## remove .venv, builds and caches; reports stay
+	rm -rf .venv build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find analytic harness mjcf urdf tests -name __pycache__ -prune -exec rm -rf {} +
