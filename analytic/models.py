@@ -97,16 +97,24 @@ FRICTION = {
 }
 MODELS = {model.name: model for model in (CUM, CUM_LINEAR, CAM, *FRICTION.values())}
 
-# Slots of the kernel's parameter vector, shape (SLOTS,). Accelerations are per unit of (1 + J/(m ρ²)).
+# Slots of the kernel's parameter vector, shape (SLOTS,). Accelerations are per unit of (1 + J/(m ρ²)). The first block
+# is the model's; the others are zero unless an effect (`analytic.effects`) writes them.
 GRAVITY, CENTRIFUGAL, ECCENTRIC, LEVEL, LINEAR, READING, FRICTION_GAIN, TRANSITION = range(8)
-SLOTS = 8
+RESPONSE, HEIGHT, WEIGHT = 8, 9, 10  # k [1], h + r [m], g [m/s²]: what the normal force and forces on the ball need
+VISCOUS, QUADRATIC = 11, 12  # [1/s], [1/m]
+DRY_PLUS, DRY_MINUS, DRY_STATIC, STRIBECK_VELOCITY = 13, 14, 15, 16  # [1], [1], excess [1], [m/s]
+CURVATURE, CURVATURE_CENTRE, COMPLIANCE = 17, 18, 19  # [1/m], [m], [rad/m]
+BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
+IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
+SLOTS = 27
 
 
 def coefficients(model: Model, rig: Rig) -> FloatArray:
     """The kernel's parameter vector of `model` on `rig`, shape (SLOTS,).
 
     With k = 1/(1 + J/(m ρ²)) it holds k g [m/s²], k or 0 [1], k (h + r + J/(m r)) or 0 [m], α₀ [rad], a flag for
-    sin α → α, the reading, the friction's gain (k f_b g, or k f_b/m for the viscous reading) and v_t [m/s].
+    sin α → α, the reading, the friction's gain (k f_b g, or k f_b/m for the viscous reading) and v_t [m/s]; then k,
+    h + r and g. No effect acts yet.
     """
     rho = rig.radius if model.inertia_radius == "R" else rig.rolling_radius
     k = 1.0 / (1.0 + rig.inertia / (rig.mass * rho**2))
@@ -124,4 +132,8 @@ def coefficients(model: Model, rig: Rig) -> FloatArray:
     vector[READING] = float(model.reading)
     vector[FRICTION_GAIN] = friction
     vector[TRANSITION] = rig.transition_velocity
+    vector[RESPONSE] = k
+    vector[HEIGHT] = rig.eccentricity + rig.rolling_radius
+    vector[WEIGHT] = rig.gravity
+    vector[ROLL] = 1.0 / rig.rolling_radius
     return vector

@@ -14,6 +14,7 @@ from harness.engines.catalogue import engine_of, parameters_of
 from harness.virtual_rig import Plant
 from harness.virtual_rig import simulate as perform
 from tests.conftest import Establish
+from tests.engines.test_dart import needs_dart
 from tests.motions import Sines
 
 pytestmark = pytest.mark.slow
@@ -37,8 +38,8 @@ def exact() -> FloatArray:
         ("mujoco", 1e-4, 0.5),
         ("pybullet", 1e-3, 2.5),
         ("pybullet", 1e-4, 0.25),
-        ("dart", 1e-3, 24.0),
-        ("dart", 1e-4, 0.24),
+        pytest.param("dart", 1e-3, 24.0, marks=needs_dart),
+        pytest.param("dart", 1e-4, 0.24, marks=needs_dart),
     ],
 )
 def test_engine_follows_eq_14(
@@ -51,7 +52,7 @@ def test_engine_follows_eq_14(
     establish(f"ball position, {name}, dt = {time_step:g} s", EQ_14, tolerance=tolerance, measured=error, unit="µm")
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet", "dart"])
+@pytest.mark.parametrize("name", ["mujoco", "pybullet", pytest.param("dart", marks=needs_dart)])
 def test_rolling_radius_of_engine(establish: Establish, name: str) -> None:
     """Measure the rolling radius from the engine's own travel and spin, s/φ."""
     rig = Rig()

@@ -75,6 +75,12 @@ def test_each_slot_has_its_documented_unit(model: Model) -> None:
         models.READING: NUMBER,
         models.FRICTION_GAIN: FRICTION_GAIN[model.reading],
         models.TRANSITION: VELOCITY,
+        models.RESPONSE: NUMBER,
+        models.HEIGHT: LENGTH,
+        models.WEIGHT: ACCELERATION,
+        models.ROLL: NUMBER / LENGTH,
+        # effects: none acts, so that every unit would do; their own tests look at them when they do
+        **dict.fromkeys(range(models.VISCOUS, models.ROLL), NUMBER),
     }
     assert sorted(dimension) == list(range(models.SLOTS))
     old, new = coefficients(model, RIG), coefficients(model, in_new_units(model.reading.unit))

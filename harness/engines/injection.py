@@ -1,0 +1,84 @@
+"""Effects in an engine: the force along the beam that a model with effects has beyond the one without.
+
+The smooth part is m/k times the difference of the two models' accelerations, k = 1/(1 + J/(m r²)). A set-valued
+friction is averaged over the engine's step as `analytic.kernel.advance` does it: it opposes the motion, and where the
+ball stops within the step it holds it as far as its limit reaches; so a ball at rest stays at rest in the engine too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+
+from analytic.effects import Acting, parameters_with
+from analytic.kernel import acceleration, dry_limit
+from analytic.models import CAM, RESPONSE, coefficients
+from analytic.motion import BallForce, BeamMotion, FloatArray
+from analytic.rig import Rig
+
+
+def force_of(
+    effects: Sequence[Acting], rig: Rig, motion: BeamMotion, stamps: FloatArray, time_step: float
+) -> BallForce | None:
+    """The force that stands for `effects` in an engine that steps by `time_step` [s]; `None` for no effect.
+
+    Args:
+        stamps: the run's stamps, shape (n,) [s]; the beam's motion is tabulated over them once.
+    """
+    if not effects:
+        return None
+    bare, full = coefficients(CAM, rig), parameters_with(CAM, rig, effects)
+    dry = any(one.effect.dry for one in effects)
+    begin = float(stamps[0])
+    grid = begin + time_step * np.arange(int(np.ceil((stamps[-1] - begin) / time_step)) + 3)
+    known = np.minimum(grid, stamps[-1])
+    rate, angular = motion.rate(known), motion.acceleration(known)
+    inertia = rig.mass / bare[RESPONSE]
+
+    def force(s: float, v: float, angle: float, time: float) -> float:
+        n = round((time - begin) / time_step)
+        with_effects = acceleration(s, v, angle, rate[n], angular[n], full)
+        push = with_effects - acceleration(s, v, angle, rate[n], angular[n], bare)
+        if dry:
+            plus = dry_limit(s, v, 1.0, angle, rate[n], angular[n], full)
+            minus = dry_limit(s, v, -1.0, angle, rate[n], angular[n], full)
+            push += mean_friction(v, with_effects, plus, minus, time_step)
+        return float(inertia * push)
+
+    return force
+
+
+@njit(cache=True)
+def mean_friction(v: float, drive: float, plus: float, minus: float, time_step: float) -> float:
+    """Mean acceleration [m/s²] that dry friction gives over a step centred on now.
+
+    The engines' velocities live half a step before and after the force; so the step begins at the velocity that the
+    ball had half a step ago, moving as it does.
+
+    Args:
+        v: velocity now [m/s].
+        drive: acceleration without the friction [m/s²].
+        plus, minus: what friction can hold up against motion towards + and − [m/s²].
+        time_step: of the engine [s].
+    """
+    hold = plus if drive > 0.0 else minus
+    if abs(v) < 1e-6 * time_step * hold:  # at rest to rounding: held, or about to start
+        return -min(max(drive, -hold), hold)
+    sign, limit = (1.0, plus) if v > 0.0 else (-1.0, minus)
+    begin = v - 0.5 * time_step * (drive - sign * limit)
+    if sign * begin < 0.0:  # half a step ago it moved the other way, or it was at rest
+        sign, limit = (-1.0, minus) if sign > 0.0 else (1.0, plus)
+        begin = v - 0.5 * time_step * (drive - sign * limit)
+        if sign * begin < 0.0:
+            begin = 0.0
+    rest = time_step
+    if begin != 0.0:
+        end = begin + time_step * (drive - sign * limit)
+        if sign * end >= 0.0:
+            return -sign * limit
+        rest -= begin / (sign * limit - drive)
+    onward = max(abs(drive) - hold, 0.0) * rest
+    end = onward if drive > 0.0 else -onward
+    return (end - begin) / time_step - drive
