@@ -66,6 +66,8 @@ def mean_friction(v: float, drive: float, plus: float, minus: float, time_step: 
     hold = plus if drive > 0.0 else minus
     if abs(v) < 1e-6 * time_step * hold:  # at rest to rounding: held, or about to start
         return -min(max(drive, -hold), hold)
+    if abs(drive) <= hold and abs(v) <= time_step * hold:  # friction stops it within a step, and then holds it
+        return -min(max(drive + v / time_step, -hold), hold)
     sign, limit = (1.0, plus) if v > 0.0 else (-1.0, minus)
     begin = v - 0.5 * time_step * (drive - sign * limit)
     if sign * begin < 0.0:  # half a step ago it moved the other way, or it was at rest

@@ -1,0 +1,68 @@
+"""Effects act in the engines as they act in the kernel and in the independent plant."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic.effects import acting, parameters_with
+from analytic.kernel import Grid, integrate
+from analytic.models import CAM
+from analytic.motion import FloatArray, State
+from analytic.rig import Rig
+from harness.engines.catalogue import engine_of
+from harness.engines.injection import force_of
+from harness.virtual_rig import Plant, simulate
+from tests.motions import Fixed, Sines
+
+RIG = Rig()
+STAMPS = np.arange(1001) / 100.0
+START = State(0.36, 0.0)
+EFFECTS = {
+    "viscous_damping": {"coefficient": 0.03},
+    "directional_resistance": {"coefficient_plus": 0.002, "coefficient_minus": 0.005},
+    "track_curvature": {"curvature": 0.06, "centre": 0.33},
+    "beam_compliance": {"compliance": 0.003},
+}
+
+
+def in_engine(name: str, effect: str, values: dict[str, float], motion: Sines | Fixed) -> FloatArray:
+    """s of an engine at its default step with one effect injected [m]."""
+    engine, dt = engine_of(name), engine_of(name).parameters().time_step
+    force = force_of([acting(effect, values)], RIG, motion, STAMPS, dt)
+    return engine.run(RIG, motion, START, STAMPS, force=force).trajectory.position
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_rolling_resistance_in_engine_matches_the_independent_plant(name: str) -> None:
+    """Roll, stop and turn as the virtual rig does, whose contact resists by a moment and not by this force."""
+    motion = Sines()
+    truth = simulate(Plant(rolling_resistance=0.003), motion, START, 10.0)
+    position = in_engine(name, "rolling_resistance", {"coefficient": 0.003}, motion)
+    # Each engine alone is within 1 µm of eq. 14; a turning point adds at most K c g dt² ≈ 2e-8 m/s to the velocity.
+    assert np.max(np.abs(position - np.interp(STAMPS, truth.time, truth.position))) < 2e-6
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_effect_in_engine_matches_the_kernel(name: str, effect: str) -> None:
+    """Move the engine's ball as the kernel's."""
+    motion, values = Sines(), EFFECTS[effect]
+    grid = Grid.over(STAMPS)
+    vector = parameters_with(CAM, RIG, [acting(effect, values)])
+    expected = integrate(grid, grid.tabulate(motion), vector, np.array([[START.position, 0.0]])).position[0]
+    # As above; a force taken at the ball's position half a step late would cost some 1e-4 m.
+    assert np.max(np.abs(in_engine(name, effect, values, motion) - expected)) < 5e-6
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_ball_at_rest_stays_at_rest_in_engine(name: str) -> None:
+    """Hold the ball on a slope below atan(c): no creep beyond what the engine's own contact leaves."""
+    position = in_engine(name, "rolling_resistance", {"coefficient": 0.004}, Fixed(0.0035))
+    # Without friction the ball would be more than a metre away.
+    assert np.ptp(position) < 1e-7
+
+
+def test_no_effect_is_no_force() -> None:
+    """Leave the engine alone when nothing acts."""
+    assert force_of([], RIG, Fixed(), STAMPS, 1e-3) is None
