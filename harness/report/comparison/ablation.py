@@ -1,0 +1,106 @@
+"""Which choice pays: every combination of radius, α̈ term, levelling error and friction, each fitted at its best."""
+
+from __future__ import annotations
+
+import math
+
+from markupsafe import Markup
+
+from analytic.models import Reading
+from harness.compare.ablation import Combination
+from harness.report.comparison.friction import READING_LABELS
+from harness.report.comparison.horizons import floor
+from harness.report.comparison.subject import Subject
+from harness.report.numbers import aligned, length, number
+from harness.report.page import Section
+from harness.report.tables import Column, Row, Table
+
+_LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # of the heat table: small error light, large error dark
+_COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
+
+
+def section(subject: Subject) -> Section:
+    """The ablation."""
+    study = subject.study
+    return Section(
+        "ablation",
+        "Which term pays, and what separates CAM from CUM",
+        "Ablation",
+        "comparison/ablation.html",
+        {
+            "heat": _heat(subject),
+            "fitted": _fitted(subject),
+            "differences": Table(
+                f"How far one choice moves the ball {subject.over(study.headline)}",
+                [Column("choice", text=True), Column("RMS"), Column("largest")],
+                [Row((one.choice, length(one.rms), length(one.largest))) for one in study.differences],
+            ),
+            "over": subject.over(study.headline),
+            "floor": floor(subject, study.headline),
+        },
+    )
+
+
+def _heat(subject: Subject) -> Table:
+    combinations = subject.study.combinations
+    errors = {key: 1e3 * one.rms_error for key, one in combinations.items()}
+    logs = [math.log(error) for error in errors.values() if 0.0 < error < math.inf]
+    low, high = min(logs), max(max(logs), min(logs) + 1e-9)
+    least = min(errors.values())
+    columns = [Column("friction, f_b fitted", text=True)]
+    for radius, eccentric, level in _COLUMNS:
+        columns.append(Column(f"{radius}, {'with' if eccentric else 'no'} α̈", "α₀ fitted" if level else "α₀ = 0"))
+    rows = []
+    for reading in Reading:
+        cells: list[str | Markup] = [READING_LABELS[reading]]
+        for column in _COLUMNS:
+            error = errors[(*column, reading)]
+            share = 1.0 if not error < math.inf else (math.log(max(error, math.exp(low))) - low) / (high - low)
+            cells.append(_heat_cell(number(error), share, error <= least))
+        rows.append(Row(tuple(cells)))
+    caption = f"RMS error in mm {subject.over(subject.study.headline)}: the darker the worse; the best is framed"
+    return Table(caption, columns, rows)
+
+
+def _heat_cell(text: str, share: float, best: bool) -> Markup:
+    colour = tuple(round(a + share * (b - a)) for a, b in zip(_LIGHT, _DARK, strict=True))
+    return Markup('<span class="heat{}" style="background:rgb{};color:{}">{}</span>').format(
+        " best" if best else "", colour, "#fff" if share > 0.55 else "#111", text
+    )
+
+
+def _fitted(subject: Subject) -> Table:
+    """What the fits found, for CUM's and CAM's form."""
+    chosen: list[Combination] = [
+        subject.study.combinations[key]
+        for reading in Reading
+        for key in (("R", False, True, reading), ("r", True, True, reading))
+    ]
+    columns = [
+        Column("form", text=True),
+        Column("friction", text=True),
+        Column("α₀", "deg"),
+        Column("f_b"),
+        Column("unit of f_b", text=True),
+        Column("RMS error", "mm"),
+        Column("largest", "mm"),
+        Column("E_disp", "m s"),
+    ]
+    rms = aligned([1e3 * one.rms_error for one in chosen])
+    largest = aligned([1e3 * one.max_error for one in chosen])
+    rows = [
+        Row(
+            (
+                "CAM" if one.eccentric else "CUM",
+                READING_LABELS[one.reading],
+                f"{math.degrees(one.level_angle):+.3f}".replace("-", "−"),
+                number(one.friction_coefficient) if one.reading else "—",
+                one.reading.unit if one.reading else "",
+                r,
+                m,
+                number(one.e_disp),
+            )
+        )
+        for one, r, m in zip(chosen, rms, largest, strict=True)
+    ]
+    return Table(f"Fitted α₀ and f_b {subject.over(subject.study.headline)}", columns, rows)

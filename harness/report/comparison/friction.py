@@ -1,0 +1,115 @@
+"""The readings of the paper's friction force: which can be a force at all, and which take energy out."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from analytic.models import FRICTION, Reading
+from analytic.rig import Rig
+from harness.report.comparison.subject import Subject
+from harness.report.page import Section, typeset
+from harness.report.palette import INK, look_of, swatch
+from harness.report.plots import WIDTH, Picture, line, picture, sample, style
+from harness.report.tables import Column, Row, Table
+
+READING_LABELS = {
+    Reading.NONE: "none",
+    Reading.PRINTED: "as printed",
+    Reading.PRINTED_DISSIPATIVE: "printed, |tanh|",
+    Reading.COULOMB: "Coulomb-like",
+    Reading.VISCOUS: "viscous",
+}
+_LAWS = {
+    Reading.PRINTED: "F = f_b tanh(ṡ/v_t) m g cos α · ṡ",
+    Reading.PRINTED_DISSIPATIVE: "F = f_b |tanh(ṡ/v_t)| m g cos α · ṡ",
+    Reading.COULOMB: "F = f_b m g cos α tanh(ṡ/v_t)",
+    Reading.VISCOUS: "F = f_b ṡ",
+}
+
+
+def force(reading: Reading, rig: Rig, velocity: np.ndarray) -> np.ndarray:
+    """F_f [N] of a reading on a level beam at `velocity` [m/s], same shape; it acts against +ṡ where positive."""
+    weight, tanh = rig.mass * rig.gravity, np.tanh(velocity / rig.transition_velocity)
+    factor = {
+        Reading.PRINTED: tanh * weight * velocity,
+        Reading.PRINTED_DISSIPATIVE: np.abs(tanh) * weight * velocity,
+        Reading.COULOMB: weight * tanh,
+        Reading.VISCOUS: velocity,
+    }
+    return rig.friction_coefficient * factor[reading]
+
+
+def section(subject: Subject) -> Section:
+    """The readings of eq. 15."""
+    columns = [
+        Column("reading", text=True),
+        Column("law", text=True),
+        Column("unit f_b must have", text=True),
+        Column("fits the printed N s/m", text=True),
+        Column("dissipates", text=True),
+        Column("in words", text=True),
+    ]
+    words = {
+        Reading.PRINTED: "tanh(ṡ/v_t)·ṡ is even: for ṡ < 0 the force drives the ball",
+        Reading.PRINTED_DISSIPATIVE: "made to brake both ways; grows with speed like a viscous force",
+        Reading.COULOMB: "dry friction, rounded near rest; does not hold a ball at rest",
+        Reading.VISCOUS: "the only reading in which the printed unit is right",
+    }
+    rows = [
+        Row(
+            (
+                swatch(FRICTION[reading].name),
+                Markup('<span class="nowrap">{}</span>').format(typeset(law)),
+                reading.unit,
+                "yes" if reading.consistent_with_print else "no",
+                "yes" if reading.dissipates else "no",
+                words[reading],
+            )
+        )
+        for reading, law in _LAWS.items()
+    ]
+    table = Table(
+        "Four readings of eq. 15, F_f = f_b · tanh(ṡ/v_t) · m g cos α · ṡ, with f_b printed in N s/m", columns, rows
+    )
+    return Section(
+        "friction",
+        "What the friction model may have meant",
+        "Friction",
+        "comparison/friction.html",
+        {"table": table, "picture": _picture(subject)},
+    )
+
+
+def _picture(subject: Subject) -> Picture:
+    rig, ball = subject.study.setting.rig, subject.study.setting.ball
+    fastest = max(float(np.nanmax(np.abs(ball.velocity))), 2.0 * rig.transition_velocity)
+    velocity = np.linspace(-fastest, fastest, 801)
+    with style():
+        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        entries: list[Line2D] = []
+        for reading, model in FRICTION.items():
+            look = look_of(model.name)
+            resistance = 1e3 * force(reading, rig, velocity)
+            line(left, velocity, -resistance, look)
+            line(right, velocity, -resistance * velocity, look)
+            entries.append(sample(look, READING_LABELS[reading]))
+        for axes, name in ((left, "force on the ball [mN]"), (right, "power into the ball [mW]")):
+            axes.axhline(0.0, color=INK, linewidth=0.8)
+            axes.axvline(0.0, color=INK, linewidth=0.8)
+            axes.set_xlim(-fastest, fastest)
+            axes.set_xlabel(r"velocity $\dot s$ [m/s]")
+            axes.set_ylabel(name)
+        figure.legend(handles=entries, loc="outside right upper", handlelength=2.6)
+        alt = (
+            "Friction force and its power against velocity for the four readings; only as printed is the power "
+            "ever positive."
+        )
+        caption = (
+            "Force and power of each reading with this run's f_b and v_t, on a level beam, over the speeds of "
+            "this recording. Power above zero feeds energy in."
+        )
+        return picture(figure, alt, caption)

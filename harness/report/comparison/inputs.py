@@ -1,0 +1,126 @@
+"""What went in: the rig with what was given, estimated or assumed, the sensors, declared effects, findings."""
+
+from __future__ import annotations
+
+import math
+
+from harness.compare.unknown import Estimate
+from harness.report.comparison.subject import Subject
+from harness.report.numbers import length, number, plus_minus
+from harness.report.page import Section
+from harness.report.tables import Column, Row, Table
+
+_QUANTITIES = {  # field of Rig: name, unit as printed, factor to it
+    "mass": ("m, ball mass", "kg", 1.0),
+    "inertia": ("J, ball inertia", "kg m²", 1.0),
+    "radius": ("R, ball radius", "mm", 1e3),
+    "rolling_radius": ("r, rolling radius", "mm", 1e3),
+    "eccentricity": ("h, pivot to edge plane", "mm", 1e3),
+    "gravity": ("g, gravity", "m/s²", 1.0),
+    "level_angle": ("α₀, level angle", "deg", math.degrees(1.0)),
+    "friction_coefficient": ("f_b of the friction models", "by reading", 1.0),
+    "transition_velocity": ("v_t of the friction models", "mm/s", 1e3),
+}
+_ESTIMATED = {  # how an estimate's name begins: field of Rig
+    "eccentricity": "eccentricity",
+    "level angle": "level_angle",
+    "rolling radius": "rolling_radius",
+    "inertia": "inertia",
+    "gravity": "gravity",
+}
+
+
+def section(subject: Subject) -> Section:
+    """The inputs."""
+    setting = subject.study.setting
+    return Section(
+        "inputs",
+        "Inputs",
+        "Inputs",
+        "comparison/inputs.html",
+        {
+            "rig": _rig(subject),
+            "sensors": _sensors(subject),
+            "start": setting.start,
+            "start_how": _start_how(subject),
+            "declared": [(one.name, list(one.parameters.items())) for one in setting.case.declared],
+            "findings": setting.case.findings,
+            "origin": setting.case.origin,
+        },
+    )
+
+
+def _rig(subject: Subject) -> Table:
+    setting = subject.study.setting
+    estimates = {_field(one): one for one in setting.estimates}
+    columns = [
+        Column("quantity", text=True),
+        Column("value"),
+        Column("unit", text=True),
+        Column("status", text=True),
+        Column("how", text=True),
+    ]
+    rows = []
+    ratio = estimates.get("")
+    if ratio is not None:
+        rows.append(Row((ratio.name, plus_minus(ratio.value, ratio.std), "", "estimated", ratio.how)))
+    for name, (title, unit, factor) in _QUANTITIES.items():
+        value = getattr(setting.rig, name) * factor
+        estimate = estimates.get(name)
+        text = number(value, 4) if estimate is None else plus_minus(value, estimate.std * factor)
+        rows.append(Row((title, text, unit, *_status(subject, name, estimate))))
+    return Table("The rig that every source ran with", columns, rows)
+
+
+def _field(estimate: Estimate) -> str:
+    """The quantity of `Rig` an estimate is of; empty for the rolling ratio, which is of none alone."""
+    return next((name for start, name in _ESTIMATED.items() if estimate.name.startswith(start)), "")
+
+
+def _status(subject: Subject, name: str, estimate: Estimate | None) -> tuple[str, str]:
+    setting = subject.study.setting
+    if estimate is not None:
+        if math.isfinite(estimate.std):
+            return "estimated", estimate.how
+        return "assumed", estimate.how.removeprefix("assumed: ")
+    if name in ("friction_coefficient", "transition_velocity"):
+        return "assumed", "the paper's Table 1, fitted there to another rig"
+    if name == "level_angle" and setting.choices.level_angle is not None:
+        return "given", "on the command line"
+    if getattr(setting.case.rig, name) is not None:
+        return "given", "rig.toml" if setting.case.sha256 else "the paper's Table 1 (there is no rig.toml)"
+    if name == "level_angle":
+        return "assumed", "the recorded angle is taken as level"
+    return "assumed", "only the rolling ratio K matters to the ball's motion, not this quantity alone"
+
+
+def _sensors(subject: Subject) -> Table:
+    setting = subject.study.setting
+    declared, drive, ball = setting.case.sensors, setting.drive.sensor, setting.ball
+    columns = [Column("sensor", text=True), Column("value"), Column("status", text=True)]
+    step = "given" if declared.angle_resolution else "found in the record"
+    rows = [
+        Row(
+            (
+                "angle, resolution",
+                f"{number(math.degrees(drive.resolution))}°" if drive.resolution else "continuous",
+                step,
+            )
+        ),
+        Row(
+            ("angle, noise σ", f"{number(math.degrees(drive.noise), 2)}°", "estimated" if drive.estimated else "given")
+        ),
+        Row(("position, noise σ", length(ball.noise, 2), "estimated" if ball.noise_estimated else "given")),
+    ]
+    if declared.position_resolution:
+        rows.append(Row(("position, resolution", length(declared.position_resolution), "given")))
+    return Table("The sensors as they were read", columns, rows)
+
+
+def _start_how(subject: Subject) -> str:
+    setting = subject.study.setting
+    if setting.choices.start is not None:
+        return "as given"
+    first = int(subject.whole.first[0])
+    std = [math.sqrt(max(float(value), 0.0)) for value in setting.ball.spread(first).diagonal()]
+    return f"estimated: ± {length(std[0], 2)} and ± {number(1e3 * std[1], 2)} mm/s"

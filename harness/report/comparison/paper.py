@@ -1,0 +1,57 @@
+"""The paper's Table 2 beside this recording, and its three claims put to the test."""
+
+from __future__ import annotations
+
+from analytic.models import FRICTION
+from harness.compare.paper import TABLE_2, Verdict
+from harness.compare.segments import Horizon
+from harness.report.comparison.subject import Subject
+from harness.report.numbers import fixed, number
+from harness.report.page import Section
+from harness.report.palette import label_of
+from harness.report.tables import Column, Row, Table
+
+_INDICATORS = {
+    "max_error_m": ("max displacement error", "m"),
+    "e_disp_m_s": ("E_disp = ∫|e_s| dt", "m s"),
+    "max_velocity_error_m_s": ("max velocity error", "m/s"),
+    "e_vel_m": ("E_vel = ∫|e_v| dt", "m"),
+}
+_KIND = {Verdict.CONFIRMED: "good", Verdict.REFUTED: "bad", Verdict.UNDECIDABLE: "plain"}
+
+
+def section(subject: Subject) -> Section:
+    """The paper's page."""
+    study = subject.study
+    horizons = [subject.whole] if study.headline is subject.whole else [subject.whole, study.headline]
+    return Section(
+        "paper",
+        "The paper, held against this recording",
+        "Paper",
+        "comparison/paper.html",
+        {
+            "claims": [(one, _KIND[one.verdict]) for one in study.claims],
+            "over": subject.over(study.headline),
+            "tables": [_table(subject, one) for one in horizons],
+            "simulated": subject.simulated,
+        },
+    )
+
+
+def _table(subject: Subject, horizon: Horizon) -> Table:
+    models = ["cum", "cam", *(model.name for model in FRICTION.values())]
+    columns = [Column("indicator", text=True)]
+    columns += [Column(f"{name}", "paper") for name in ("CUM", "CAM", "friction")]
+    columns += [Column(label_of(name), "here", apart=name == models[0]) for name in models]
+    scores = [subject.study.score_of(name, horizon) for name in models]
+    rows = []
+    for key, (title, unit) in _INDICATORS.items():
+        printed = [_as_printed(value) for value in TABLE_2[key].values()]
+        here = [number(getattr(score, key)) for score in scores]
+        rows.append(Row((f"{title} [{unit}]", *printed, *here)))
+    kind = "simulated recording" if subject.simulated else "recording"
+    return Table(f"Table 2 of the paper beside this {kind}, {subject.over(horizon)}", columns, rows)
+
+
+def _as_printed(value: float) -> str:
+    return fixed(value, 4 if round(value, 3) != value else 3)

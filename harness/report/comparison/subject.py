@@ -1,0 +1,102 @@
+"""What every section of the comparison report is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+from harness.compare.segments import Horizon
+from harness.compare.study import Study
+from harness.report.answer import horizon_text, is_simulated
+from harness.report.numbers import brief
+from harness.report.standing import Standing, standings
+from harness.tolerances import Checked
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A study with what belongs to its report.
+
+    Attributes:
+        study: everything computed.
+        manifest: as written to manifest.json.
+        checks: of tolerances.
+        command: what repeats the run.
+    """
+
+    study: Study
+    manifest: Mapping[str, object]
+    checks: tuple[Checked, ...]
+    command: str
+
+    @cached_property
+    def simulated(self) -> bool:
+        """Whether the recording is simulated, not measured."""
+        return is_simulated(self.study)
+
+    @property
+    def measured(self) -> str:
+        """What the recording is to be called: `measured` or `simulated`."""
+        return "simulated" if self.simulated else "measured"
+
+    @property
+    def recording(self) -> str:
+        """`measurement` or `simulated recording`."""
+        return "simulated recording" if self.simulated else "measurement"
+
+    @cached_property
+    def ranked(self) -> list[Standing]:
+        """Sources on the headline horizon, the closest first."""
+        return standings(self.study, self.study.headline)
+
+    @property
+    def whole(self) -> Horizon:
+        """The free run over the whole recording."""
+        return self.study.setting.horizons[0]
+
+    @property
+    def duration(self) -> float:
+        """Of the free run [s]."""
+        time = self.study.setting.time
+        return float(time[-1] - time[self.whole.first[0]])
+
+    @property
+    def case_name(self) -> str:
+        """Name of the case for headings."""
+        path = self.study.setting.case.path.resolve()
+        return path.parent.name if path.name == "rig.toml" else path.stem
+
+    @property
+    def subtitle(self) -> str:
+        """Recording, length, samples, origin."""
+        setting = self.study.setting
+        rate = 1.0 / float(np.median(np.diff(setting.time)))
+        parts = [
+            f"{brief(self.duration)} s, {len(setting.time)} samples at {brief(rate)} Hz",
+            f"{int(setting.recording.known.sum())} positions known",
+        ]
+        if setting.case.origin:
+            parts.append(f"origin: {setting.case.origin}")
+        return "; ".join(parts)
+
+    @cached_property
+    def drawn(self) -> NDArray[np.bool_]:
+        """Stamps that lines of the recording pass through: all but its spikes, shape (n,); what is unknown is a gap."""
+        setting = self.study.setting
+        passed: NDArray[np.bool_] = setting.ball.trusted | ~setting.recording.known
+        return passed
+
+    def over(self, horizon: Horizon) -> str:
+        """`over windows of 5 s`, `over the whole 16 s`."""
+        return horizon_text(horizon.seconds, self.duration)
+
+    def error(self, source: str, horizon: Horizon) -> FloatArray:
+        """e_s of each run, shape (runs, n), NaN outside and where the measurement does not count [m]."""
+        setting = self.study.setting
+        error = self.study.run_of(source, horizon).position - setting.recording.position
+        return np.where(setting.ball.trusted, error, np.nan)

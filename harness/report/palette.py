@@ -1,0 +1,72 @@
+"""How each source looks, in every picture and table of every report; told apart without colour vision by dashes too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+MEASURED_COLOUR = "#111111"
+UNCERTAINTY_COLOUR = "#9aa3ad"
+GRID_COLOUR = "#e3e6ea"
+INK = "#1c2733"
+
+
+@dataclass(frozen=True)
+class Look:
+    """Name for readers, colour, line.
+
+    Attributes:
+        label: name in texts, tables and legends.
+        colour: hexadecimal.
+        dash: on-off lengths in points; `None` for a solid line.
+        width: of its line [pt].
+        layer: drawing order; engines lie dashed on the model they should agree with, which shows through.
+    """
+
+    label: str
+    colour: str
+    dash: tuple[float, ...] | None = None
+    width: float = 1.3
+    layer: int = 3
+
+
+# After P. Tol's and Okabe & Ito's colour-blind safe sets.
+LOOKS: Mapping[str, Look] = {
+    "cum": Look("CUM", "#E69F00"),
+    "cum_linear": Look("linear CUM", "#8C7A2B", (5.0, 2.0)),
+    "cam": Look("CAM", "#0072B2", None, 2.6),
+    "friction_printed": Look("friction (as printed)", "#CC6677"),
+    "friction_printed_dissipative": Look("friction (|tanh|)", "#882255", (6.0, 1.6)),
+    "friction_coulomb": Look("friction (Coulomb)", "#5B3FA8"),
+    "friction_viscous": Look("friction (viscous)", "#AA4499", (7.0, 1.6, 1.4, 1.6)),
+    "mujoco": Look("MuJoCo", "#2DB38A", (5.0, 3.5), 1.5, 5),
+    "pybullet": Look("PyBullet", "#D55E00", (1.4, 2.6), 1.7, 6),
+    "dart": Look("DART", "#56B4E9", (3.0, 1.5, 1.0, 1.5), 1.3, 6),
+}
+_SPARE = ("#66A61E", "#E7298A", "#1B9E77", "#7570B3")
+
+
+def look_of(source: str) -> Look:
+    """The look of a source; one that has none gets a spare colour, the same in every report."""
+    if source in LOOKS:
+        return LOOKS[source]
+    return Look(source, _SPARE[sum(source.encode()) % len(_SPARE)], (2.0, 1.0), 1.3, 5)
+
+
+def label_of(source: str) -> str:
+    """The name of a source for readers."""
+    return look_of(source).label
+
+
+def swatch(source: str) -> Markup:
+    """The name of a source with a dash of its colour before it."""
+    look = look_of(source)
+    return Markup('<span class="swatch" style="--colour:{}"></span>{}').format(look.colour, look.label)
+
+
+def names(sources: list[str] | tuple[str, ...]) -> str:
+    """`CAM, MuJoCo and PyBullet`."""
+    labels = [label_of(source) for source in sources]
+    return labels[0] if len(labels) == 1 else f"{', '.join(labels[:-1])} and {labels[-1]}"

@@ -1,0 +1,73 @@
+"""Pictures: what is drawn where lines leave the frame, and how bands are thinned."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from harness.report.palette import LOOKS, look_of
+from harness.report.plots import binned, joined, mark_exits, thinning
+
+
+def exits(values):
+    """When a line with `values` once a second leaves a frame from −1 to 1, and the triangles' times."""
+    axes = Figure().add_subplot()
+    axes.set_ylim(-1.0, 1.0)
+    first = mark_exits(axes, np.arange(len(values), dtype=float), np.array(values, dtype=float), look_of("cam"))
+    return first, sorted(float(time) for line in axes.lines for time in line.get_xdata())
+
+
+def test_a_line_within_the_frame_gets_no_triangle():
+    """Mark nothing where a source stays in sight."""
+    assert exits([0.0, 0.5, 1.0, -1.0]) == (None, [])
+
+
+def test_leaving_is_marked_once_with_its_time():
+    """Mark where a source leaves, not every sample outside, and mark it again when it leaves again."""
+    assert exits([0.0, 2.0, 3.0, 0.0, -2.0, -3.0]) == ((1.0, True), [1.0, 4.0])
+
+
+def test_a_gap_outside_is_no_return():
+    """Do not mark a source anew after stamps without a measurement."""
+    assert exits([0.0, 2.0, np.nan, 2.0]) == ((1.0, True), [1.0])
+
+
+def test_infinity_leaves_the_frame():
+    """Mark a source that ran away to infinity."""
+    assert exits([0.0, np.inf]) == ((1.0, True), [1.0])
+
+
+def test_runs_are_joined_with_gaps():
+    """Draw no line from the end of one run to the start of the next."""
+    time, values = joined(np.arange(4.0), np.array([[1.0, 2.0, 0, 0], [0, 0, 3.0, 4.0]]), [slice(0, 2), slice(2, 4)])
+    np.testing.assert_array_equal(time, [0, 1, np.nan, 2, 3, np.nan])
+    np.testing.assert_array_equal(values, [1, 2, np.nan, 3, 4, np.nan])
+
+
+def test_lines_pass_over_spikes():
+    """Connect the neighbours of a stamp that is not to be drawn."""
+    keep = np.array([True, False, True])
+    time, values = joined(np.arange(3.0), np.array([[1.0, np.nan, 2.0]]), [slice(0, 3)], keep)
+    np.testing.assert_array_equal(values, [1, 2, np.nan])
+    np.testing.assert_array_equal(time, [0, 2, np.nan])
+
+
+def test_long_records_are_thinned():
+    """Draw no more points than can be seen, and all of a short record."""
+    assert thinning(500) == 1
+    assert 200_000 / thinning(200_000) <= 800
+
+
+def test_bins_hold_equally_many_samples():
+    """Average y over x in bins of equally many samples."""
+    x = np.linspace(0.0, 1.0, 1200)
+    centre, mean, error = binned(x, 3.0 * x)
+    np.testing.assert_allclose(mean, 3.0 * centre)
+    assert len(centre) == 12
+    assert np.all(error < 0.01)
+
+
+def test_looks_differ():
+    """Give every source a colour of its own, known or not."""
+    colours = [look.colour for look in LOOKS.values()]
+    assert len(set(colours)) == len(colours)
+    assert look_of("new_engine") == look_of("new_engine")
+    assert look_of("new_engine").colour not in colours
