@@ -1,26 +1,27 @@
 """From a recorded beam angle to a drive: smooth α, α̇, α̈ that belong together, on any time grid, with error bars.
 
 The sensor decides how the record is read. A rounded angle (encoder) is smoothed within its counts, a noisy one within
-its noise; in both cases the prior is the same quintic smoothing spline, whose stiffness is the one of greatest
-evidence (`harness.smoothing`). Derivatives are those of the spline, never differences of counts.
+its noise; in both cases the prior is the same quintic smoothing spline, whose stiffness is learnt along the record
+(`harness.smoothing`). Derivatives are those of the spline, never differences of counts. docs/drive.md has the reasons
+and the measured errors.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import PPoly
-from scipy.optimize import minimize
 
 from analytic.motion import FloatArray
 from harness.smoothing.rounded import smooth_rounded
-from harness.smoothing.wiener import Smoothed, draw, smooth
+from harness.smoothing.wiener import Smoothed, draw
 
 # Below this share of a count the noise does not dither the rounding, and white noise of q²/12 would be a wrong model.
 _DITHERED = 0.5
+_LEAST_NOISE = 1e-9  # rad: a continuous reading without noise would make the smoother divide by zero
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,8 @@ class Drive:
         states: α [rad], α̇ [rad/s], α̈ [rad/s²] at the stamps, shape (n, 3).
         std: their standard deviations, shape (n, 3).
         sensor: how the angle was measured.
-        residual_ratio: RMS of (reading − α) over what the sensor explains [1]; far from 1 the sensor is misdeclared.
+        residual_ratio: RMS of (reading − α) over what the sensor explains [1]; some 0.9 for a rounded, 1 for a noisy
+            angle, and far from it the sensor is misdeclared.
     """
 
     time: FloatArray
@@ -110,7 +112,7 @@ class Drive:
         return np.interp(time, self.time, self.std[:, 0])
 
     def draw(self, count: int, seed: int) -> list[PathDrive]:
-        """Beam motions drawn from what the record leaves open; their spread is the drive's error, correlation and all."""
+        """Beam motions drawn from what the record leaves open; their spread is the drive's correlated error."""
         paths = draw(self._smoothed, self._variance, count, np.random.default_rng(seed))
         return [PathDrive(self.time, path) for path in paths]
 
@@ -139,48 +141,31 @@ class PathDrive:
         return np.asarray(self._angle(time, 2))
 
 
-def estimate_noise(time: FloatArray, value: FloatArray, resolution: float) -> float:
-    """Standard deviation of the noise before rounding, of greatest evidence [unit of `value`].
-
-    Args:
-        time: stamps, shape (n,) [s].
-        value: readings, shape (n,).
-        resolution: distance of two counts, 0 for a continuous reading [unit].
-    """
-    step = np.diff(value)
-    # Differences hold the noise twice and the motion once: their median is a start from above.
-    start = max(float(np.median(np.abs(step - np.median(step)))) / 0.95, 0.3 * resolution, 1e-9)
-
-    def miss(x: FloatArray) -> float:
-        return -smooth(time, value, math.exp(2.0 * x[0]), math.exp(x[1])).log_evidence
-
-    first = smooth(time, value, start**2).density
-    found = minimize(miss, (math.log(start), math.log(first)), method="Nelder-Mead", options={"xatol": 0.02})
-    return math.sqrt(max(math.exp(2.0 * found.x[0]) - resolution**2 / 12.0, 0.0))
-
-
 def make_drive(
     time: FloatArray, angle: FloatArray, *, resolution: float | None = None, noise: float | None = None
 ) -> Drive:
     """Read a recorded beam angle.
 
     Args:
-        time: stamps, shape (n,), strictly increasing [s].
-        angle: readings, shape (n,) [rad].
+        time: stamps, shape (n,), strictly increasing [s]; at least three.
+        angle: readings, shape (n,), NaN where none was taken [rad].
         resolution: distance of two counts [rad]; `None` for a continuous reading.
         noise: standard deviation of the sensor before rounding [rad]; `None` to estimate it from the record.
+
+    Raises:
+        ValueError: fewer than three angles are known.
     """
+    known = np.isfinite(angle)
+    if known.sum() < 3:
+        raise ValueError("fewer than three angles are known")
     resolution = resolution or 0.0
-    estimated = noise is None
-    if noise is None:
-        noise = estimate_noise(time, angle, resolution)
-    sensor = AngleSensor(resolution, noise, estimated)
-    if sensor.rounded:
-        smoothed, variance = smooth_rounded(time, angle, resolution, noise)
-    else:
-        variance = np.full(len(time), max(sensor.variance, 1e-18))
-        smoothed = smooth(time, angle, variance)
+    sensor = AngleSensor(resolution, noise or 0.0, noise is None)
+    if noise is None or sensor.rounded:
+        smoothed, variance, found = smooth_rounded(time, angle, resolution, noise)
+        sensor = replace(sensor, noise=found)
+    else:  # noise dithers the rounding, which then is white noise too
+        smoothed, variance, _ = smooth_rounded(time, angle, 0.0, max(math.sqrt(sensor.variance), _LEAST_NOISE))
     std = np.sqrt(np.diagonal(smoothed.covariance, axis1=1, axis2=2).clip(min=0.0))
-    residual = float(np.sqrt(np.mean((angle - smoothed.mean[:, 0]) ** 2)))
-    ratio = residual / math.sqrt(max(sensor.variance, 1e-18))
+    residual = float(np.sqrt(np.mean((angle - smoothed.mean[:, 0])[known] ** 2)))
+    ratio = residual / max(math.sqrt(sensor.variance), _LEAST_NOISE)
     return Drive(smoothed.time, smoothed.mean, std, sensor, ratio, smoothed, variance)
