@@ -88,15 +88,17 @@ def estimate_ball(
     declared = None if noise is None else math.hypot(noise, rounding)
     found = smooth_spiky(time, position - reference, least=rounding, declared=declared, least_density=_LEAST_DENSITY)
     remainder = found.smoothed.mean
+    spikes = found.noise.stands_apart
+    variance = found.noise.core if spikes else found.noise.total
     return BallEstimate(
         time=time,
         position=reference + remainder[:, 0],
         velocity=reference_rate + remainder[:, 1],
         residual=remainder[:, 2],
         covariance=found.smoothed.covariance,
-        noise=math.sqrt(max(found.noise.core - rounding**2, 0.0)),
+        noise=math.sqrt(max(variance - rounding**2, 0.0)),
         noise_estimated=noise is None,
-        trusted=found.core > 0.5,
+        trusted=known & (found.core > 0.5) if spikes else known,
     )
 
 

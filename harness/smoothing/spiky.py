@@ -24,6 +24,7 @@ _SETTLED_STRIDE = 0.02  # of the log density
 _HEAD_START = 4  # passes for the signal to find its place before noise is learnt from it
 _WITHOUT_SPIKES = 20  # passes in which all is noise: whoever looks for spikes at once finds them where he stands
 _REACH = 3.0  # standard deviations of the core within which a reading is noise and no spike
+_APART = 5.0  # times the core's standard deviation: no sensor's noise varies so much over its range
 _STRENGTH = 2.0  # readings' worth of belief that there are no spikes
 
 
@@ -35,6 +36,17 @@ class Noise:
     share: float
     offset: float
     spread: float
+
+    @property
+    def stands_apart(self) -> bool:
+        """Whether the spikes are a thing of their own, to one side or far wider than the core; if not, they are noise
+        that is larger at some readings than at others, as that of a laser at some distances."""
+        return abs(self.offset) > math.sqrt(self.spread) or self.spread > _APART**2 * self.core
+
+    @property
+    def total(self) -> float:
+        """Variance of core and spikes together, about the signal [unit²]."""
+        return (1.0 - self.share) * self.core + self.share * (self.spread + self.offset**2)
 
     def probability(self, residual: FloatArray, posterior: FloatArray) -> FloatArray:
         """That a reading is no spike, from its residual and the signal's variance there, shape (n,) each [1]."""

@@ -75,3 +75,20 @@ def test_rounding_is_the_least_noise():
     """Assume no less noise than the rounding makes, in a record that rests on one count."""
     found = smooth_spiky(TIME, np.full(len(TIME), 0.3), least=1e-3)
     assert math.sqrt(found.noise.core) == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_that_varies_over_the_range_is_no_spike(seed):
+    """Take a sensor of 0.3 mm here and 0.8 mm there for what it is: noise, of which nothing is dropped."""
+    generator = np.random.default_rng(seed)
+    deviation = np.where(TRUTH < 0.3, 3e-4, 8e-4)
+    found = smooth_spiky(TIME, TRUTH + deviation * generator.standard_normal(len(TIME)), declared=6e-4)
+    assert not found.noise.stands_apart
+    # A thousand readings: their mean square is known to √(2/1000) = 4.5 %, its root to 2.3 %; four of these.
+    assert math.sqrt(found.noise.total) == pytest.approx(rms(deviation), rel=0.1)
+
+
+def test_drop_outs_to_one_side_stand_apart():
+    """Keep drop-outs apart from noise, so that readings which say nothing of the ball are not held against a model."""
+    value, _ = readings(0, 0.1, -0.05, -0.03)
+    assert smooth_spiky(TIME, value).noise.stands_apart
