@@ -1,8 +1,7 @@
 """One compiled kernel that integrates many runs at once: any models, start states, windows and beam motions.
 
 Runs are integrated between the stamps of a recording in equal steps no longer than a given one, so that every run
-starts and ends exactly on stamps, however uneven these are. The integrator is the classical Runge–Kutta method of
-order 4 (Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", table 1.2).
+starts and ends exactly on stamps, however uneven these are.
 """
 
 from __future__ import annotations
@@ -14,137 +13,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from analytic.models import (
-    BUMP_CENTRE,
-    BUMP_HEIGHT,
-    BUMP_WIDTH,
-    CENTRIFUGAL,
-    COMPLIANCE,
-    CURVATURE,
-    CURVATURE_CENTRE,
-    DRY_MINUS,
-    DRY_PLUS,
-    DRY_STATIC,
-    ECCENTRIC,
-    FRICTION_GAIN,
-    GRAVITY,
-    HEIGHT,
-    IMBALANCE,
-    LEVEL,
-    LINEAR,
-    ORIGIN,
-    PHASE,
-    QUADRATIC,
-    READING,
-    RESPONSE,
-    ROLL,
-    SLOTS,
-    STRIBECK_VELOCITY,
-    TRANSITION,
-    VISCOUS,
-    WEIGHT,
-    Model,
-    Reading,
-    coefficients,
-)
+from analytic.models import SLOTS, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
-
-_NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
-
-
-@njit(cache=True)
-def acceleration(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
-    """s̈ [m/s²] but for dry friction.
-
-    Args:
-        s, v: ball, position [m] and velocity [m/s].
-        angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
-        p: from `models.coefficients`, with effects written into it, shape (SLOTS,).
-    """
-    tilt = angle + p[LEVEL]
-    if p[CURVATURE] != 0.0:
-        tilt += p[CURVATURE] * (p[CURVATURE_CENTRE] - s)
-    if p[COMPLIANCE] != 0.0:
-        tilt += p[COMPLIANCE] * s
-    if p[BUMP_HEIGHT] != 0.0:
-        u = (s - p[BUMP_CENTRE]) / p[BUMP_WIDTH]
-        tilt += p[BUMP_HEIGHT] / p[BUMP_WIDTH] * u * np.exp(-0.5 * u * u)
-    if p[LINEAR] == 0.0:
-        tilt = np.sin(tilt)
-    result = p[GRAVITY] * tilt + p[CENTRIFUGAL] * s * rate * rate - p[ECCENTRIC] * angular
-    if p[VISCOUS] != 0.0:
-        result -= p[VISCOUS] * v
-    if p[QUADRATIC] != 0.0:
-        result -= p[QUADRATIC] * abs(v) * v
-    if p[IMBALANCE] != 0.0:
-        result += p[IMBALANCE] * np.sin((s - p[ORIGIN]) * p[ROLL] + p[PHASE])
-    reading = int(p[READING])
-    if reading == _NONE:
-        return result
-    if reading == _PRINTED:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION]) * v
-    if reading == _DISSIPATIVE:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * abs(np.tanh(v / p[TRANSITION])) * v
-    if reading == _COULOMB:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION])
-    return result - p[FRICTION_GAIN] * v  # viscous
-
-
-@njit(cache=True)
-def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
-    """Largest deceleration that dry friction can hold up against motion `towards` + or −, k c(ṡ) N/m [m/s²].
-
-    N = m (g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇²); c falls from static to kinetic after Stribeck. Never negative.
-    """
-    normal = p[WEIGHT] * np.cos(angle) - 2.0 * v * rate - s * angular - p[HEIGHT] * rate * rate
-    coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
-    if p[DRY_STATIC] != 0.0:
-        ratio = v / p[STRIBECK_VELOCITY]
-        coefficient += p[DRY_STATIC] * np.exp(-ratio * ratio)
-    return max(p[RESPONSE] * coefficient * normal, 0.0)
-
-
-@njit(cache=True)
-def advance(
-    s: float, v: float, h: float, a0: FloatArray, a1: FloatArray, a2: FloatArray, p: FloatArray
-) -> tuple[float, float]:
-    """(s, ṡ) after a step of `h` [s]; the beam's (α, α̇, α̈) are given at its start, middle and end.
-
-    Everything smooth is integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued
-    force: it opposes the motion; where that stops within the step, friction holds the ball if it can and else opposes
-    the new direction for the rest of the step. A ball at rest so stays at rest, without creep.
-    """
-    k1 = acceleration(s, v, a0[0], a0[1], a0[2], p)
-    v2 = v + 0.5 * h * k1
-    k2 = acceleration(s + 0.5 * h * v, v2, a1[0], a1[1], a1[2], p)
-    v3 = v + 0.5 * h * k2
-    k3 = acceleration(s + 0.5 * h * v2, v3, a1[0], a1[1], a1[2], p)
-    v4 = v + h * k3
-    k4 = acceleration(s + h * v3, v4, a2[0], a2[1], a2[2], p)
-    s_smooth = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
-    v_smooth = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-    if p[DRY_PLUS] == 0.0 and p[DRY_MINUS] == 0.0 and p[DRY_STATIC] == 0.0:
-        return s_smooth, v_smooth
-    drive = (v_smooth - v) / h
-    if v != 0.0:
-        sign = 1.0 if v > 0.0 else -1.0
-        limit = dry_limit(s, v, sign, a1[0], a1[1], a1[2], p)
-        v_end = v_smooth - sign * limit * h
-        if sign * v_end >= 0.0:
-            return s_smooth - 0.5 * sign * limit * h * h, v_end
-        stop = v / (sign * limit - drive)  # the ball comes to rest within the step
-        s_smooth, rest = s + 0.5 * v * stop, h - stop
-    else:
-        rest = h
-    sign = 1.0 if drive > 0.0 else -1.0
-    limit = dry_limit(s, 0.0, sign, a1[0], a1[1], a1[2], p)
-    if abs(drive) <= limit:
-        return (s if v == 0.0 else s_smooth), 0.0
-    v_end = (drive - sign * limit) * rest
-    if v == 0.0:
-        return s_smooth - 0.5 * sign * limit * h * h, v_end
-    return s_smooth + 0.5 * v_end * rest, v_end
+from analytic.step import advance
 
 
 @njit(cache=True, nogil=True)
@@ -162,11 +34,11 @@ def _integrate(
     for run in range(starts.shape[0]):
         p = parameters[run]
         table = tables[table_of[run]]
-        s, v = starts[run, 0], starts[run, 1]
+        s, v, w = starts[run, 0], starts[run, 1], 0.0
         stamp = first[run]
         out[run, stamp, 0], out[run, stamp, 1] = s, v
         for j in range(marks[first[run]], marks[last[run]]):
-            s, v = advance(s, v, steps[j], table[2 * j], table[2 * j + 1], table[2 * j + 2], p)
+            s, v, w = advance(s, v, w, steps[j], table[2 * j], table[2 * j + 1], table[2 * j + 2], p)
             if j + 1 == marks[stamp + 1]:
                 stamp += 1
                 out[run, stamp, 0], out[run, stamp, 1] = s, v

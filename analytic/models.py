@@ -106,7 +106,9 @@ DRY_PLUS, DRY_MINUS, DRY_STATIC, STRIBECK_VELOCITY = 13, 14, 15, 16  # [1], [1],
 CURVATURE, CURVATURE_CENTRE, COMPLIANCE = 17, 18, 19  # [1/m], [m], [rad/m]
 BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
 IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
-SLOTS = 27
+TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]: what slipping needs
+DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
+SLOTS = 31
 
 
 def coefficients(model: Model, rig: Rig) -> FloatArray:
@@ -136,4 +138,5 @@ def coefficients(model: Model, rig: Rig) -> FloatArray:
     vector[HEIGHT] = rig.eccentricity + rig.rolling_radius
     vector[WEIGHT] = rig.gravity
     vector[ROLL] = 1.0 / rig.rolling_radius
+    vector[TURN] = rig.rolling_radius
     return vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analytic.kernel import acceleration
+from analytic.law import acceleration
 from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig

@@ -1,7 +1,7 @@
 """Effects in an engine: the force along the beam that a model with effects has beyond the one without.
 
 The smooth part is m/k times the difference of the two models' accelerations, k = 1/(1 + J/(m r²)). A set-valued
-friction is averaged over the engine's step as `analytic.kernel.advance` does it: it opposes the motion, and where the
+friction is averaged over the engine's step as `analytic.step.advance` does it: it opposes the motion, and where the
 ball stops within the step it holds it as far as its limit reaches; so a ball at rest stays at rest in the engine too.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from analytic.effects import Acting, parameters_with
-from analytic.kernel import acceleration, dry_limit
+from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, RESPONSE, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray
 from analytic.rig import Rig

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from analytic import kernel, models
+from analytic import law, models
 from analytic.models import Model
 from analytic.rig import Rig
 
@@ -37,12 +37,12 @@ RIG = SymbolicRig(
 
 
 def on_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The same code with sympy's sin, cos and tanh in place of numpy's."""
-    algebra = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, zeros=lambda count: [sp.S.Zero] * count)
+    """The same code with sympy's functions in place of numpy's."""
+    algebra = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, exp=sp.exp, zeros=lambda count: [sp.S.Zero] * count)
     return FunctionType(function.__code__, {**function.__globals__, "np": algebra})
 
 
 def kernel_acceleration(model: Model) -> sp.Expr:
-    """s̈ as `models.coefficients` and `kernel.acceleration` compute it, in the symbols of this module."""
+    """s̈ as `models.coefficients` and `law.acceleration` compute it, in the symbols of this module."""
     p = on_symbols(models.coefficients)(model, RIG)
-    return sp.nsimplify(on_symbols(kernel.acceleration.py_func)(s, v, alpha, rate, angular, p))
+    return sp.nsimplify(on_symbols(law.acceleration.py_func)(s, v, alpha, rate, angular, p))

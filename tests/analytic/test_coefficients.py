@@ -7,7 +7,7 @@ import math
 import pytest
 
 from analytic import models
-from analytic.kernel import acceleration
+from analytic.law import acceleration
 from analytic.models import MODELS, Model, Reading, coefficients
 from analytic.rig import Rig
 from tests.analytic.dimensions import ACCELERATION, LENGTH, MASS, NUMBER, TIME, VELOCITY, Dimension, dimension_of
@@ -80,7 +80,9 @@ def test_each_slot_has_its_documented_unit(model: Model) -> None:
         models.WEIGHT: ACCELERATION,
         models.ROLL: NUMBER / LENGTH,
         # effects: none acts, so that every unit would do; their own tests look at them when they do
-        **dict.fromkeys(range(models.VISCOUS, models.ROLL), NUMBER),
+        **dict.fromkeys((*range(models.VISCOUS, models.ROLL), *range(models.TURN + 1, models.SLOTS)), NUMBER),
+        models.TRACTION: NUMBER,
+        models.TURN: LENGTH,
     }
     assert sorted(dimension) == list(range(models.SLOTS))
     old, new = coefficients(model, RIG), coefficients(model, in_new_units(model.reading.unit))

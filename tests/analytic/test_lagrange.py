@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from analytic.kernel import acceleration
+from analytic.law import acceleration
 from analytic.models import CAM, coefficients
 from analytic.rig import Rig
 from tests.analytic.symbols import J, alpha, alpha_0, angular, g, h, kernel_acceleration, m, r, rate, s, v

@@ -10,7 +10,8 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analytic.kernel import acceleration, simulate
+from analytic.kernel import simulate
+from analytic.law import acceleration
 from analytic.models import CUM, FRICTION, MODELS, Reading, coefficients
 from analytic.motion import State
 from analytic.rig import Rig

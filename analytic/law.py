@@ -1,0 +1,101 @@
+"""The forces on the ball, compiled: acceleration along the beam, normal force, and what dry friction can hold.
+
+`p` is always a vector from `models.coefficients`, with effects written into it (`analytic.effects`), shape (SLOTS,).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from analytic.models import (
+    BUMP_CENTRE,
+    BUMP_HEIGHT,
+    BUMP_WIDTH,
+    CENTRIFUGAL,
+    COMPLIANCE,
+    CURVATURE,
+    CURVATURE_CENTRE,
+    DRY_MINUS,
+    DRY_PLUS,
+    DRY_STATIC,
+    ECCENTRIC,
+    FRICTION_GAIN,
+    GRAVITY,
+    HEIGHT,
+    IMBALANCE,
+    LEVEL,
+    LINEAR,
+    ORIGIN,
+    PHASE,
+    QUADRATIC,
+    READING,
+    RESPONSE,
+    ROLL,
+    STRIBECK_VELOCITY,
+    TRANSITION,
+    VISCOUS,
+    WEIGHT,
+    Reading,
+)
+from analytic.motion import FloatArray
+
+_NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
+
+
+@njit(cache=True)
+def acceleration(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
+    """s̈ [m/s²] but for dry friction.
+
+    Args:
+        s, v: ball, position [m] and velocity [m/s].
+        angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
+        p: from `models.coefficients`, with effects written into it, shape (SLOTS,).
+    """
+    tilt = angle + p[LEVEL]
+    if p[CURVATURE] != 0.0:
+        tilt += p[CURVATURE] * (p[CURVATURE_CENTRE] - s)
+    if p[COMPLIANCE] != 0.0:
+        tilt += p[COMPLIANCE] * s
+    if p[BUMP_HEIGHT] != 0.0:
+        u = (s - p[BUMP_CENTRE]) / p[BUMP_WIDTH]
+        tilt += p[BUMP_HEIGHT] / p[BUMP_WIDTH] * u * np.exp(-0.5 * u * u)
+    if p[LINEAR] == 0.0:
+        tilt = np.sin(tilt)
+    result = p[GRAVITY] * tilt + p[CENTRIFUGAL] * s * rate * rate - p[ECCENTRIC] * angular
+    if p[VISCOUS] != 0.0:
+        result -= p[VISCOUS] * v
+    if p[QUADRATIC] != 0.0:
+        result -= p[QUADRATIC] * abs(v) * v
+    if p[IMBALANCE] != 0.0:
+        result += p[IMBALANCE] * np.sin((s - p[ORIGIN]) * p[ROLL] + p[PHASE])
+    reading = int(p[READING])
+    if reading == _NONE:
+        return result
+    if reading == _PRINTED:
+        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION]) * v
+    if reading == _DISSIPATIVE:
+        return result - p[FRICTION_GAIN] * np.cos(angle) * abs(np.tanh(v / p[TRANSITION])) * v
+    if reading == _COULOMB:
+        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION])
+    return result - p[FRICTION_GAIN] * v  # viscous
+
+
+@njit(cache=True)
+def normal_force(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
+    """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² [m/s²], never negative."""
+    normal = p[WEIGHT] * np.cos(angle) - 2.0 * v * rate - s * angular - p[HEIGHT] * rate * rate
+    return max(normal, 0.0)
+
+
+@njit(cache=True)
+def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
+    """Largest deceleration that dry friction can hold up against motion `towards` + or −, k c(ṡ) N/m [m/s²].
+
+    c falls from static to kinetic after Stribeck.
+    """
+    coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
+    if p[DRY_STATIC] != 0.0:
+        ratio = v / p[STRIBECK_VELOCITY]
+        coefficient += p[DRY_STATIC] * np.exp(-ratio * ratio)
+    return p[RESPONSE] * max(coefficient, 0.0) * normal_force(s, v, angle, rate, angular, p)

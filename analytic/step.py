@@ -1,0 +1,128 @@
+"""One step of the ball, compiled: the classical Runge–Kutta method for what is smooth, projections for what is not.
+
+RK4: Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", table 1.2. Set-valued forces act on the
+step's mean acceleration, after Moreau ("Unilateral contact and dry friction in finite freedom dynamics", 1988).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from analytic.law import acceleration, dry_limit, normal_force
+from analytic.models import (
+    DAHL,
+    DAHL_STIFFNESS,
+    DRY_MINUS,
+    DRY_PLUS,
+    DRY_STATIC,
+    RESPONSE,
+    TRACTION,
+    TURN,
+)
+from analytic.motion import FloatArray
+
+
+@njit(cache=True)
+def advance(
+    s: float, v: float, w: float, h: float, a0: FloatArray, a1: FloatArray, a2: FloatArray, p: FloatArray
+) -> tuple[float, float, float]:
+    """(s, ṡ, w) after a step of `h` [s]; the beam's (α, α̇, α̈) are given at its start, middle and end.
+
+    Everything smooth is integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued
+    force: it opposes the motion; where that stops within the step, friction holds the ball if it can and else opposes
+    the new direction for the rest of the step. A ball at rest so stays at rest, without creep.
+
+    w is what some effects remember: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
+    a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
+    """
+    if p[DAHL] != 0.0:
+        w = dahl(w, v, 0.5 * h, dahl_limit(s, v, a0, p), p[DAHL_STIFFNESS])
+    k1 = acceleration(s, v, a0[0], a0[1], a0[2], p)
+    v2 = v + 0.5 * h * k1
+    k2 = acceleration(s + 0.5 * h * v, v2, a1[0], a1[1], a1[2], p)
+    v3 = v + 0.5 * h * k2
+    k3 = acceleration(s + 0.5 * h * v2, v3, a1[0], a1[1], a1[2], p)
+    v4 = v + h * k3
+    k4 = acceleration(s + h * v3, v4, a2[0], a2[1], a2[2], p)
+    s_end = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
+    v_end = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+    if p[DAHL] != 0.0:
+        s_end, v_end = s_end + 0.5 * h * h * w, v_end + h * w
+        w = dahl(w, v_end, 0.5 * h, dahl_limit(s_end, v_end, a2, p), p[DAHL_STIFFNESS])
+    if p[TRACTION] != 0.0:
+        s_end, v_end, w = _slip(s, v, w, h, s_end, v_end, a1, p)
+    if p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0:
+        s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
+    return s_end, v_end, w
+
+
+@njit(cache=True)
+def _resist(
+    s: float, v: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray
+) -> tuple[float, float]:
+    """(s, ṡ) after a step that would end at (s_end, v_end) without the dry friction."""
+    drive = (v_end - v) / h
+    rest = h
+    if v != 0.0:
+        sign = 1.0 if v > 0.0 else -1.0
+        limit = dry_limit(s, v, sign, a1[0], a1[1], a1[2], p)
+        v_end -= sign * limit * h
+        if sign * v_end >= 0.0:
+            return s_end - 0.5 * sign * limit * h * h, v_end
+        stop = v / (sign * limit - drive)  # the ball comes to rest within the step
+        s, rest = s + 0.5 * v * stop, h - stop
+    sign = 1.0 if drive > 0.0 else -1.0
+    limit = dry_limit(s, 0.0, sign, a1[0], a1[1], a1[2], p)
+    if abs(drive) <= limit:
+        return s, 0.0
+    if v == 0.0:
+        return s_end - 0.5 * sign * limit * h * h, (drive - sign * limit) * h
+    v_end = (drive - sign * limit) * rest
+    return s + 0.5 * v_end * rest, v_end
+
+
+@njit(cache=True)
+def _slip(
+    s: float, v: float, w: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray
+) -> tuple[float, float, float]:
+    """(s, ṡ, w) after a step that would end at (s_end, v_end) if the ball rolled; w is its slip velocity.
+
+    The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it takes away the slip if it can. With ι = J/(m r²),
+
+        s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
+    """
+    iota = 1.0 / p[RESPONSE] - 1.0
+    turn = p[TURN] * a1[2]
+    free = (1.0 + iota) * (v_end - v) / h + iota * turn
+    grip = p[TRACTION] * normal_force(s, v, a1[0], a1[1], a1[2], p)
+    needed = -(free + turn + w / h) / (1.0 + 1.0 / iota)
+    if abs(needed) <= grip and w == 0.0:
+        return s_end, v_end, 0.0
+    traction = min(max(needed, -grip), grip)
+    new = v + h * (free + traction)
+    w += h * (free + turn + traction * (1.0 + 1.0 / iota))
+    if abs(needed) <= grip:
+        w = 0.0  # to the bit: it rolls again
+    return s + 0.5 * h * (v + new), new, w
+
+
+@njit(cache=True)
+def dahl_limit(s: float, v: float, a: FloatArray, p: FloatArray) -> float:
+    """k c N/m [m/s²], what a Dahl friction tends to."""
+    return p[RESPONSE] * p[DAHL] * normal_force(s, v, a[0], a[1], a[2], p)
+
+
+@njit(cache=True)
+def dahl(pull: float, v: float, h: float, limit: float, stiffness: float) -> float:
+    """Pull of a Dahl friction after `h` [s] at velocity v: dF/ds = −σ (1 + F sign(ṡ)/(c N)), solved exactly.
+
+    Args:
+        pull: k F/m before [m/s²].
+        limit: k c N/m [m/s²].
+        stiffness: k σ/m [1/s²].
+    """
+    if limit <= 0.0 or v == 0.0:
+        return pull
+    target = -limit if v > 0.0 else limit
+    return target + (pull - target) * np.exp(-stiffness * abs(v) * h / limit)

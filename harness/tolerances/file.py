@@ -1,0 +1,200 @@
+"""`tolerances.toml`: one table per source and horizon, one line per metric.
+
+    [tube]
+    tolerance_m = 0.01           # half width of the tube of `fraction_outside_tube`
+
+    [mujoco.whole]               # the free run over the whole recording, against the measurement
+    max_error_m = 0.02
+
+    [cam."2 s"]                  # windows of 2 s, against the measurement
+    rms_error_mm = 5
+
+    [mujoco.against_cam]         # the free run, against CAM
+    max_difference_m = 2e-5
+
+    [mujoco.against_cam."2 s"]   # windows of 2 s, against CAM
+    rms_difference_m = 1e-6
+
+Metrics against the measurement are those of metrics.csv, by name or alias; a limit is in the metric's unit.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from analytic.models import CAM, MODELS
+from harness.engines.catalogue import ENGINES
+from harness.errors import InputError
+from harness.metrics import WHOLE, Better, Metric, find_metric
+from harness.recording.source import read_source
+from harness.tolerances.limits import AGAINST_CAM, DIFFERENCES, Limit, Tolerances
+
+TOLERANCES_FILE = "tolerances.toml"
+DEFAULTS = Path(__file__).parents[1] / "data" / TOLERANCES_FILE
+SOURCES = (*MODELS, *ENGINES)
+TUBE, TUBE_KEY = "tube", "tolerance_m"
+
+_DIFFERENCES_BY_ANY_NAME = {key: metric for metric in DIFFERENCES.values() for key in (metric.name, *metric.aliases)}
+
+
+def tolerances_for(case_path: Path, file: Path | None = None) -> Tolerances:
+    """The limits of a case: `file` if given, else `tolerances.toml` beside its `rig.toml`, else the package's.
+
+    Args:
+        case_path: a folder, its `rig.toml`, or a CSV recording, which has no tolerances of its own.
+        file: what the user named.
+
+    Raises:
+        InputError: as `read_tolerances`.
+    """
+    if file is not None:
+        return read_tolerances(file)
+    if case_path.is_dir() or case_path.suffix.lower() == ".toml":
+        own = (case_path if case_path.is_dir() else case_path.parent) / TOLERANCES_FILE
+        if own.exists():
+            return read_tolerances(own, chosen="of the case")
+    return read_tolerances(DEFAULTS, chosen="defaults of the package")
+
+
+def read_tolerances(path: Path, *, chosen: str = "given") -> Tolerances:
+    """Read and check a `tolerances.toml`.
+
+    Raises:
+        InputError: the file cannot be read, sets no limit, or names a source, horizon, metric or value that cannot be;
+            the message gives file and table, and what there is.
+    """
+    try:
+        content = tomllib.loads(read_source(path).text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is no valid TOML: {error}.") from None
+    try:
+        tube = _tube(content.pop(TUBE, {}))
+        limits = tuple(limit for source, table in content.items() for limit in _limits_of(source, table))
+        _each_once(limits)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if not limits:
+        raise InputError(f'{path}: sets no limit. Write for instance [mujoco."2 s"] and below it max_error_m = 0.02.')
+    return Tolerances(path, chosen, limits, tube)
+
+
+def _tube(table: Any) -> float | None:
+    if not isinstance(table, Mapping):
+        raise InputError(f"{TUBE} is no table. Write [{TUBE}] and below it {TUBE_KEY} = 0.01.")
+    for key in table:
+        if key != TUBE_KEY:
+            raise InputError(f"[{TUBE}] has no {key!r}. It has {TUBE_KEY}.")
+    if TUBE_KEY not in table:
+        return None
+    value = _number(f"[{TUBE}] {TUBE_KEY}", table[TUBE_KEY])
+    if value <= 0.0:
+        raise InputError(f"[{TUBE}] {TUBE_KEY} = {value:g} is no width. Give a length in metres, as in 0.01.")
+    return value
+
+
+def _limits_of(source: str, table: Any) -> Iterator[Limit]:
+    if source not in SOURCES:
+        raise InputError(f"there is no source {source!r}.{_near(source, SOURCES)} There are {', '.join(SOURCES)}.")
+    if not isinstance(table, Mapping):
+        raise InputError(f'{source} is no table. Write [{source}.{WHOLE}] or [{source}."2 s"] above its limits.')
+    for horizon, entries in table.items():
+        place = f"[{source}.{_key(horizon)}]"
+        if horizon == AGAINST_CAM:
+            yield from _differences_of(source, place, entries)
+        elif not isinstance(entries, Mapping):
+            raise InputError(
+                f"[{source}] {horizon} stands under no horizon. "
+                f'Write it under [{source}.{WHOLE}], [{source}."2 s"] or [{source}.{AGAINST_CAM}].'
+            )
+        else:
+            seconds = _seconds(place, horizon)
+            for name, value in entries.items():
+                metric = _metric(place, name)
+                yield Limit(source, seconds, metric, _limit(place, name, metric, value))
+
+
+def _differences_of(source: str, place: str, table: Any) -> Iterator[Limit]:
+    if source == CAM.name:
+        raise InputError(f"{place} compares CAM with itself. Remove it.")
+    if not isinstance(table, Mapping):
+        raise InputError(f"{place} is no table. Write {place} and below it max_difference_m = 2e-5.")
+    for name, entry in table.items():
+        if isinstance(entry, Mapping):
+            inner = f"{place[:-1]}.{_key(name)}]"
+            seconds = _seconds(inner, name)
+            for key, value in entry.items():
+                metric = _difference(inner, key)
+                yield Limit(source, seconds, metric, _limit(inner, key, metric, value), against_cam=True)
+        else:
+            metric = _difference(place, name)
+            yield Limit(source, None, metric, _limit(place, name, metric, entry), against_cam=True)
+
+
+def _seconds(place: str, horizon: str) -> float | None:
+    """Length of the windows [s], `None` for the whole recording."""
+    if horizon == WHOLE:
+        return None
+    match = re.fullmatch(r"(\d+(?:\.\d+)?|\.\d+)\s*s", horizon)
+    if match is None or float(match[1]) == 0.0:
+        dotted = " A length with a point stands in quotes." if horizon.isdigit() else ""
+        raise InputError(
+            f"{place} is no horizon.{_near(horizon, (WHOLE, AGAINST_CAM))}{dotted} "
+            f'There are {WHOLE}, windows such as "2 s" or "0.5 s", and {AGAINST_CAM}.'
+        )
+    return float(match[1])
+
+
+def _metric(place: str, name: str) -> Metric:
+    if name.lower() in DIFFERENCES:
+        source = place[1:-1].partition(".")[0]
+        raise InputError(f"{place} {name} is a difference from CAM. Write it under [{source}.{AGAINST_CAM}].")
+    try:
+        return find_metric(name)
+    except InputError as error:
+        raise InputError(f"{place}: {error}.") from None
+
+
+def _difference(place: str, name: str) -> Metric:
+    try:
+        return _DIFFERENCES_BY_ANY_NAME[name.lower()]
+    except KeyError:
+        near = _near(name.lower(), _DIFFERENCES_BY_ANY_NAME)
+        raise InputError(f"{place}: there is no metric {name!r}.{near} There are {', '.join(DIFFERENCES)}.") from None
+
+
+def _limit(place: str, name: str, metric: Metric, value: Any) -> float:
+    number = _number(f"{place} {name}", value)
+    if number < 0.0 and metric.better is not Better.LARGER:
+        raise InputError(f"{place} {name} = {number:g} can never be kept. It limits a size; give a positive number.")
+    return number
+
+
+def _number(place: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{place} = {value!r} is no number. Give a finite number, without quotes or a unit.")
+    return float(value)
+
+
+def _each_once(limits: Iterable[Limit]) -> None:
+    seen = set()
+    for limit in limits:
+        key = limit.place, limit.metric.name
+        if key in seen:
+            raise InputError(f"{limit.place}: {limit.metric.name} is limited twice, under two spellings. Remove one.")
+        seen.add(key)
+
+
+def _key(name: str) -> str:
+    """As it has to be written in TOML."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else f'"{name}"'
+
+
+def _near(name: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name.lower(), list(known), n=1)
+    return f" Did you mean {near[0]!r}?" if near else ""
