@@ -38,7 +38,7 @@ RIG = SymbolicRig(
 
 def on_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
     """The same code with sympy's functions in place of numpy's."""
-    algebra = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, exp=sp.exp, zeros=lambda count: [sp.S.Zero] * count)
+    algebra = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, exp=sp.exp, zeros=lambda count: [0.0] * count)
     return FunctionType(function.__code__, {**function.__globals__, "np": algebra})
 
 
