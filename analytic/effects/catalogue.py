@@ -1,18 +1,21 @@
-"""Every effect by name, and the kernel vector of a model with effects acting."""
+"""Every effect by name, and what a rig with effects acting comes to: kernel vector, beam motion, recorded position."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
+from analytic.effects.ball import BALL
+from analytic.effects.drive import DRIVE
 from analytic.effects.effect import Acting, Effect
 from analytic.effects.resistance import RESISTANCES
+from analytic.effects.sensor import SENSOR
 from analytic.effects.track import TRACK
 from analytic.models import Model, coefficients
-from analytic.motion import FloatArray
+from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 
-CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in (*RESISTANCES, *TRACK)}
+CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
 
 
 class EffectError(ValueError):
@@ -42,9 +45,35 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
     return Acting(effect, dict(values))
 
 
-def parameters_with(model: Model, rig: Rig, effects: Iterable[Acting]) -> FloatArray:
+def rig_with(rig: Rig, effects: Iterable[Acting]) -> Rig:
+    """The rig as it is when `effects` act; it is `rig` unless one of them alters it."""
+    for one in effects:
+        if one.effect.alter is not None:
+            rig = one.effect.alter(rig, one.values)
+    return rig
+
+
+def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting]) -> FloatArray:
     """The kernel vector of `model` on `rig` with `effects` acting, shape (SLOTS,)."""
+    rig = rig_with(rig, effects)
     vector = coefficients(model, rig)
     for one in effects:
-        one.effect.write(vector, rig, one.values)
+        if one.effect.write is not None:
+            one.effect.write(vector, rig, one.values)
     return vector
+
+
+def motion_with(motion: BeamMotion, stamps: FloatArray, effects: Iterable[Acting]) -> BeamMotion:
+    """The beam's motion when `effects` act between it and the measured one; `stamps`, shape (n,) [s]."""
+    for one in effects:
+        if one.effect.turn is not None:
+            motion = one.effect.turn(motion, stamps, one.values)
+    return motion
+
+
+def recorded_with(time: FloatArray, position: FloatArray, effects: Iterable[Acting]) -> FloatArray:
+    """What is recorded of `position` [m] at `time` [s], both of shape (n,), when `effects` act on the sensor."""
+    for one in effects:
+        if one.effect.sense is not None:
+            position = one.effect.sense(time, position, one.values)
+    return position

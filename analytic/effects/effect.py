@@ -5,11 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from analytic.motion import FloatArray
+from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 
-Write = Callable[[FloatArray, Rig, Mapping[str, float]], None]
+Values = Mapping[str, float]
+Write = Callable[[FloatArray, Rig, Values], None]
 """Adds an effect to a kernel vector, shape (SLOTS,), in place; effects of one kind add up."""
+Alter = Callable[[Rig, Values], Rig]
+"""The rig as it is instead of as it is declared."""
+Turn = Callable[[BeamMotion, FloatArray, Values], BeamMotion]
+"""The beam's motion behind the measured one, over a recording's stamps, shape (n,) [s]."""
+Sense = Callable[[FloatArray, FloatArray, Values], FloatArray]
+"""What is recorded of a position, both of shape (n,) [m], at stamps, shape (n,) [s]."""
 
 
 @dataclass(frozen=True)
@@ -25,14 +32,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Effect:
-    """One entry of the catalogue.
+    """One entry of the catalogue. It acts in one place: on the ball, on the rig's quantities, on the angle, or on the
+    sensor.
 
     Attributes:
         name: public, as in results.
         law: one line, symbols as in the paper.
         parameters: in the order of results.
         source: where the law comes from.
-        write: puts it into the kernel's vector.
+        write: puts a force or tilt into the kernel's vector.
+        alter: changes a quantity of the rig.
+        turn: changes the beam's motion.
+        sense: changes what is recorded of the position.
         dry: whether it is a set-valued friction, which needs the ball's stop within a step.
     """
 
@@ -40,7 +51,10 @@ class Effect:
     law: str
     parameters: tuple[Parameter, ...]
     source: str
-    write: Write
+    write: Write | None = None
+    alter: Alter | None = None
+    turn: Turn | None = None
+    sense: Sense | None = None
     dry: bool = False
 
 
@@ -49,7 +63,7 @@ class Acting:
     """An effect that acts, with the values of its parameters (SI)."""
 
     effect: Effect
-    values: Mapping[str, float]
+    values: Values
 
     def text(self) -> str:
         """`rolling_resistance (coefficient = 0.002)`."""

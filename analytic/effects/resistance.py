@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from analytic.effects.effect import Effect, Parameter
+from analytic.effects.effect import Effect, Parameter, Values
 from analytic.models import (
+    DAHL,
+    DAHL_STIFFNESS,
     DRY_MINUS,
     DRY_PLUS,
     DRY_STATIC,
@@ -18,29 +18,34 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 
 
-def _viscous(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _viscous(p: FloatArray, rig: Rig, values: Values) -> None:
     p[VISCOUS] += p[RESPONSE] * values["coefficient"] / rig.mass
 
 
-def _quadratic(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _quadratic(p: FloatArray, rig: Rig, values: Values) -> None:
     p[QUADRATIC] += p[RESPONSE] * values["coefficient"] / rig.mass
 
 
-def _rolling(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _rolling(p: FloatArray, rig: Rig, values: Values) -> None:
     p[DRY_PLUS] += values["coefficient"]
     p[DRY_MINUS] += values["coefficient"]
 
 
-def _directional(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _directional(p: FloatArray, rig: Rig, values: Values) -> None:
     p[DRY_PLUS] += values["coefficient_plus"]
     p[DRY_MINUS] += values["coefficient_minus"]
 
 
-def _stribeck(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _stribeck(p: FloatArray, rig: Rig, values: Values) -> None:
     p[DRY_PLUS] += values["kinetic_coefficient"]
     p[DRY_MINUS] += values["kinetic_coefficient"]
     p[DRY_STATIC] = values["static_coefficient"] - values["kinetic_coefficient"]
     p[STRIBECK_VELOCITY] = values["stribeck_velocity"]
+
+
+def _presliding(p: FloatArray, rig: Rig, values: Values) -> None:
+    p[DAHL] = values["coefficient"]
+    p[DAHL_STIFFNESS] = p[RESPONSE] * values["stiffness"] / rig.mass
 
 
 RESISTANCES = (
@@ -85,5 +90,12 @@ RESISTANCES = (
         "Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
         _stribeck,
         dry=True,
+    ),
+    Effect(
+        "presliding_hysteresis",
+        "dF/ds = −σ (1 + F sign(ṡ)/(c N)): elastic micro-displacement before rolling",
+        (Parameter("coefficient", "1", 0.0, 0.5, 0.003), Parameter("stiffness", "N/m", 0.1, 1e5, 20.0)),
+        "Dahl, A Solid Friction Model, 1968",
+        _presliding,
     ),
 )

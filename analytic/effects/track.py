@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from analytic.effects.effect import Effect, Parameter
+from analytic.effects.effect import Effect, Parameter, Values
 from analytic.models import (
     BUMP_CENTRE,
     BUMP_HEIGHT,
@@ -18,19 +16,19 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 
 
-def _level(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _level(p: FloatArray, rig: Rig, values: Values) -> None:
     p[LEVEL] += values["angle"]
 
 
-def _curvature(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _curvature(p: FloatArray, rig: Rig, values: Values) -> None:
     p[CURVATURE], p[CURVATURE_CENTRE] = values["curvature"], values["centre"]
 
 
-def _bump(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _bump(p: FloatArray, rig: Rig, values: Values) -> None:
     p[BUMP_HEIGHT], p[BUMP_CENTRE], p[BUMP_WIDTH] = values["height"], values["centre"], values["width"]
 
 
-def _compliance(p: FloatArray, rig: Rig, values: Mapping[str, float]) -> None:
+def _compliance(p: FloatArray, rig: Rig, values: Values) -> None:
     p[COMPLIANCE] += values["compliance"] * rig.mass * rig.gravity
 
 

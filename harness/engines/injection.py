@@ -14,19 +14,25 @@ from numba import njit
 
 from analytic.effects import Acting, parameters_with
 from analytic.law import acceleration, dry_limit
-from analytic.models import CAM, RESPONSE, coefficients
+from analytic.models import CAM, DAHL, DAHL_STIFFNESS, RESPONSE, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray
 from analytic.rig import Rig
+from analytic.step import dahl, dahl_limit
 
 
 def force_of(
     effects: Sequence[Acting], rig: Rig, motion: BeamMotion, stamps: FloatArray, time_step: float
 ) -> BallForce | None:
-    """The force that stands for `effects` in an engine that steps by `time_step` [s]; `None` for no effect.
+    """The force that stands for `effects` in an engine that steps by `time_step` [s]; `None` where none is a force.
+
+    What effects do to the rig, to the angle and to the sensor is not in it: the engine is to be given the rig and the
+    motion as they then are (`analytic.effects`), and slipping by its own friction coefficient.
 
     Args:
-        stamps: the run's stamps, shape (n,) [s]; the beam's motion is tabulated over them once.
+        motion: of the beam.
+        stamps: the run's stamps, shape (n,) [s]; the motion is tabulated over them once.
     """
+    effects = [one for one in effects if one.effect.write is not None and one.effect.name != "contact_slip"]
     if not effects:
         return None
     bare, full = coefficients(CAM, rig), parameters_with(CAM, rig, effects)
@@ -36,8 +42,10 @@ def force_of(
     known = np.minimum(grid, stamps[-1])
     rate, angular = motion.rate(known), motion.acceleration(known)
     inertia = rig.mass / bare[RESPONSE]
+    pull, reached = 0.0, 0  # of a Dahl friction [m/s²], and the step up to which it was followed
 
     def force(s: float, v: float, angle: float, time: float) -> float:
+        nonlocal pull, reached
         n = round((time - begin) / time_step)
         with_effects = acceleration(s, v, angle, rate[n], angular[n], full)
         push = with_effects - acceleration(s, v, angle, rate[n], angular[n], bare)
@@ -45,6 +53,10 @@ def force_of(
             plus = dry_limit(s, v, 1.0, angle, rate[n], angular[n], full)
             minus = dry_limit(s, v, -1.0, angle, rate[n], angular[n], full)
             push += mean_friction(v, with_effects, plus, minus, time_step)
+        if full[DAHL] != 0.0:
+            limit = dahl_limit(s, v, np.array([angle, rate[n], angular[n]]), full)
+            pull, reached = dahl(pull, v, (n - reached) * time_step, limit, full[DAHL_STIFFNESS]), n
+            push += pull
         return float(inertia * push)
 
     return force
