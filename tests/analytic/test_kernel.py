@@ -135,8 +135,8 @@ class Kick:
         return np.where(time > self.begin, self.steepness, 0.0)
 
 
-def test_jump_of_the_beam_acceleration_costs_a_third_of_a_step() -> None:
-    """Err in ṡ by at most K (h + r + J/(m r)) Δα̈ times a third of the step within which α̈ jumps."""
+def test_jump_of_the_beam_acceleration_costs_nothing() -> None:
+    """Give ṡ the whole impulse K (h + r + J/(m r)) Δα̇ wherever in a step α̈ jumps."""
     step = 1e-3
     rig, one = Rig(), Grid.over(np.array([0.0, step]), step)
     errors = []
@@ -144,7 +144,7 @@ def test_jump_of_the_beam_acceleration_costs_a_third_of_a_step() -> None:
         (found,) = free_run(CAM, one, Kick(begin), rig, State(0.36, 0.0)).velocity[:, -1]
         # α̈ acts for step − begin; the gravity and s α̇² that it brings about are smaller by g step²/(2 · lever) = 1e-4
         errors.append(abs(found + rig.rolling_ratio * rig.lever * 5.0 * (step - begin)))
-    assert max(errors) == pytest.approx(rig.rolling_ratio * rig.lever * 5.0 * step / 3.0, rel=1e-3)
+    assert max(errors) < 1e-3 * rig.rolling_ratio * rig.lever * 5.0 * step
 
 
 def batch() -> tuple[Grid, FloatArray, FloatArray, FloatArray, FloatArray]:
