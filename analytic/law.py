@@ -26,12 +26,17 @@ from analytic.models import (
     IMBALANCE,
     LEVEL,
     LINEAR,
+    NODES,
     ORIGIN,
     PHASE,
     QUADRATIC,
     READING,
     RESPONSE,
     ROLL,
+    SHAPE,
+    SHAPE_LOW,
+    SHAPE_NODES,
+    SHAPE_STEP,
     STRIBECK_VELOCITY,
     TRANSITION,
     VISCOUS,
@@ -40,6 +45,9 @@ from analytic.models import (
 )
 from analytic.motion import FloatArray
 
+# What a curve of unknown law depends on (slot SHAPE), and whether it is a force on the ball or a dry friction.
+# A friction that depends on time stands in a fourth column of the beam's table.
+OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_TIME = 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
 
@@ -69,6 +77,14 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
         result -= p[QUADRATIC] * abs(v) * v
     if p[IMBALANCE] != 0.0:
         result += p[IMBALANCE] * np.sin((s - p[ORIGIN]) * p[ROLL] + p[PHASE])
+    if p[SHAPE] == OF_POSITION:
+        result += p[RESPONSE] * curve(s, p)
+    elif p[SHAPE] == OF_VELOCITY:
+        result += p[RESPONSE] * curve(v, p)
+    elif p[SHAPE] == OF_ANGLE:
+        result += p[RESPONSE] * curve(angle, p)
+    elif p[SHAPE] == OF_ROLL:
+        result += p[RESPONSE] * curve(((s - p[ORIGIN]) * p[ROLL]) % (2.0 * np.pi), p)
     reading = int(p[READING])
     if reading == _NONE:
         return result
@@ -79,6 +95,15 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
     if reading == _COULOMB:
         return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION])
     return result - p[FRICTION_GAIN] * v  # viscous
+
+
+@njit(cache=True)
+def curve(at: float, p: FloatArray) -> float:
+    """A curve through the nodes of the vector, linear between them and constant beyond [m/s²]."""
+    place = min(max((at - p[SHAPE_LOW]) / p[SHAPE_STEP], 0.0), NODES - 1.0)
+    node = min(int(place), NODES - 2)
+    part = place - node
+    return (1.0 - part) * p[SHAPE_NODES + node] + part * p[SHAPE_NODES + node + 1]
 
 
 @njit(cache=True)
@@ -95,6 +120,8 @@ def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, ang
     c falls from static to kinetic after Stribeck.
     """
     coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
+    if p[SHAPE] == DRY_OF_POSITION:
+        coefficient += curve(s, p)
     if p[DRY_STATIC] != 0.0:
         ratio = v / p[STRIBECK_VELOCITY]
         coefficient += p[DRY_STATIC] * np.exp(-ratio * ratio)

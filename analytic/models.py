@@ -108,7 +108,9 @@ BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
 IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
 TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]: what slipping needs
 DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
-SLOTS = 31
+SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_NODES = 31, 32, 33, 34  # a curve of unknown law: see `analytic.law.curve`
+NODES = 12
+SLOTS = SHAPE_NODES + NODES
 
 
 def coefficients(model: Model, rig: Rig) -> FloatArray:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from analytic.law import acceleration, dry_limit, normal_force
+from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, acceleration, dry_limit, normal_force
 from analytic.models import (
     DAHL,
     DAHL_STIFFNESS,
@@ -17,6 +17,7 @@ from analytic.models import (
     DRY_PLUS,
     DRY_STATIC,
     RESPONSE,
+    SHAPE,
     TRACTION,
     TURN,
 )
@@ -52,7 +53,8 @@ def advance(
         w = dahl(w, v_end, 0.5 * h, dahl_limit(s_end, v_end, a2, p), p[DAHL_STIFFNESS])
     if p[TRACTION] != 0.0:
         s_end, v_end, w = _slip(s, v, w, h, s_end, v_end, a1, p)
-    if p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0:
+    dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0
+    if dry or p[SHAPE] >= DRY_OF_POSITION:
         s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
     return s_end, v_end, w
 
@@ -66,20 +68,28 @@ def _resist(
     rest = h
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
-        limit = dry_limit(s, v, sign, a1[0], a1[1], a1[2], p)
+        limit = _limit(s, v, sign, a1, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
         stop = v / (sign * limit - drive)  # the ball comes to rest within the step
         s, rest = s + 0.5 * v * stop, h - stop
     sign = 1.0 if drive > 0.0 else -1.0
-    limit = dry_limit(s, 0.0, sign, a1[0], a1[1], a1[2], p)
+    limit = _limit(s, 0.0, sign, a1, p)
     if abs(drive) <= limit:
         return s, 0.0
     if v == 0.0:
         return s_end - 0.5 * sign * limit * h * h, (drive - sign * limit) * h
     v_end = (drive - sign * limit) * rest
     return s + 0.5 * v_end * rest, v_end
+
+
+@njit(cache=True)
+def _limit(s: float, v: float, towards: float, a: FloatArray, p: FloatArray) -> float:
+    limit = dry_limit(s, v, towards, a[0], a[1], a[2], p)
+    if p[SHAPE] == DRY_OF_TIME:
+        limit = max(limit + p[RESPONSE] * a[3] * normal_force(s, v, a[0], a[1], a[2], p), 0.0)
+    return limit
 
 
 @njit(cache=True)
