@@ -6,12 +6,15 @@ and the impulses of the contact, and the contact obeys, at the end of every step
 
 - normal: the centre stays r above the turning edge plane, or the ball flies: 0 <= P_n ⊥ gap velocity >= 0,
 - tangential: no slip at the contact line, |P_t| <= μ (R/r) P_n (each of the two contacts carries P_n R/(2 r)),
-- rolling: no relative turning, |M| <= c r P_n; on a rolling ball that is the force c N, and it holds a ball at rest.
+- rolling: no relative turning, −c₊ r P_n <= M <= c₋ r P_n; on a rolling ball that is the force c N against it, and it
+  holds a ball at rest; besides, Dahl's elastic stretch twists it by −r σ z.
+
+The track's own slope enters as `laws` state it, as tilt: gravity is turned by it where the ball is.
 
 Time stepping after Moreau ("Unilateral contact and dry friction in finite freedom dynamics", 1988) with two changes
 that make the smooth part second order: impulses act along the mean directions of a step, and positions move with the
 mean of old and new velocity. The height is then put back onto the plane, which removes a drift of third order a step.
-Steps in which the ball stops or turns round are cut at that instant.
+Steps in which the ball stops or turns round are cut at that instant (`stepping`).
 """
 
 from __future__ import annotations
@@ -22,26 +25,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
-from analytic.motion import FloatArray
+from harness.virtual_rig.laws import Laws, ball_torque, dahl, force_along, resistance_coefficients, track_tilt
 
 AppliedForce = Callable[[float, float, float, float, float], float]
 """Extra force on the ball's centre along the beam, F(s [m], ṡ [m/s], α [rad], φ − α [rad], t [s]) -> [N]."""
 
 FORCE_SIGNATURE = types.float64(types.float64, types.float64, types.float64, types.float64, types.float64)
 PASSES = 3  # what a pass leaves of an error: (α̇ dt)² < 1e-6 at the contact, dt |∂F/∂ṡ|/m of an applied force
-FINEST = 2.0**-10  # part of a step to which the instant of turning round is found
-COLUMNS = (
-    "position",
-    "velocity",
-    "rolled_angle",
-    "spin",
-    "slip",
-    "gap",
-    "normal_force",
-    "energy",
-    "work",
-    "dissipated",
-)
 
 
 class Constants(NamedTuple):
@@ -61,6 +51,7 @@ class Ball(NamedTuple):
     """The ball's state, and the energy it was given and that was taken from it so far [J].
 
     `along` is s [m]; it stands beside (x, z) so that a ball at rest on a moving beam stays where it is to the bit.
+    `stretch` is Dahl's z [m]; the energy it holds counts as taken.
     """
 
     x: float
@@ -72,12 +63,13 @@ class Ball(NamedTuple):
     along: float
     given: float
     taken: float
+    stretch: float
 
 
 @njit(cache=True)
-def clip(value: float, bound: float) -> float:
-    """`value` limited to ±`bound`."""
-    return min(max(value, -bound), bound)
+def clip(value: float, below: float, above: float) -> float:
+    """`value` limited to −`below` … `above`."""
+    return min(max(value, -below), above)
 
 
 @njit(cache=True)
@@ -88,13 +80,14 @@ def friction(
     arm: float,
     inverse_inertia: float,
     grip: float,
-    hold: float,
+    hold_plus: float,
+    hold_minus: float,
 ) -> tuple[float, float, bool]:
     """Tangential impulse and rolling impulse moment at a known normal impulse.
 
     Both set-valued laws together are the stationarity conditions of a convex quadratic programme in (P_t, M) over the
-    box |P_t| <= `grip`, |M| <= `hold`. Minimised over one variable it stays convex in the other, so that clipping one
-    and then the other gives the exact solution.
+    box |P_t| <= `grip`, −`hold_plus` <= M <= `hold_minus`. Minimised over one variable it stays convex in the other, so
+    that clipping one and then the other gives the exact solution.
 
     Args:
         slip: velocity of the ball's contact line relative to the beam without the two impulses [m/s].
@@ -103,19 +96,19 @@ def friction(
         arm: r [m].
         inverse_inertia: 1/J [1/(kg m²)].
         grip: bound of |P_t| [N s].
-        hold: bound of |M| [N m s].
+        hold_plus, hold_minus: bounds of M against rolling towards + and − [N m s].
 
     Returns:
         P_t [N s], M [N m s], and whether neither is at its bound: the ball is at rest on the beam.
     """
     both = inverse_mass + arm * arm * inverse_inertia
     free_moment = -(turning + arm * inverse_inertia * slip / both) * both / (inverse_mass * inverse_inertia)
-    moment = clip(free_moment, hold)
+    moment = clip(free_moment, hold_plus, hold_minus)
     free_tangential = (arm * inverse_inertia * moment - slip) / both
     if abs(free_tangential) <= grip:
-        return free_tangential, moment, abs(free_moment) <= hold
-    tangential = clip(free_tangential, grip)
-    return tangential, clip(arm * tangential - turning / inverse_inertia, hold), False
+        return free_tangential, moment, -hold_plus <= free_moment <= hold_minus
+    tangential = clip(free_tangential, grip, grip)
+    return tangential, clip(arm * tangential - turning / inverse_inertia, hold_plus, hold_minus), False
 
 
 @njit(cache=True)
@@ -128,6 +121,7 @@ def step(
     time: float,
     dt: float,
     k: Constants,
+    law: Laws,
     force: AppliedForce,
 ) -> tuple[Ball, float]:
     """One step of the ball while the beam turns from `angle` to `next_angle`; returns the ball and P_n [N s]."""
@@ -144,31 +138,50 @@ def step(
     old_opening = vx * sin + vz * cos + rate * (x * cos - z * sin)
 
     new_x, new_z, new_velocity, new_spin = x + dt * vx, z + dt * vz, old_velocity, ball.spin
-    new_vx, new_vz, applied = vx, vz, 0.0
-    normal, tangential, moment, at_rest = 0.0, 0.0, 0.0, False
+    new_vx, new_vz, applied, weight_x, weight_z = vx, vz, 0.0, k.gravity_x, k.gravity_z
+    normal, tangential, moment, at_rest, torque, twist, stretch = 0.0, 0.0, 0.0, False, 0.0, 0.0, ball.stretch
     for _ in range(PASSES):
         s_mean = 0.5 * (ball.along + new_x * cos_e - new_z * sin_e)
         rolled = ball.turned + 0.25 * dt * (ball.spin + new_spin) - middle
-        applied = dt * force(s_mean, 0.5 * (old_velocity + new_velocity), middle, rolled, time + 0.5 * dt)
-        new_vx = vx + dt * k.gravity_x + applied * cos_m / m
-        new_vz = vz + dt * k.gravity_z - applied * sin_m / m
+        v_mean, now = 0.5 * (old_velocity + new_velocity), time + 0.5 * dt
+        applied = dt * (force(s_mean, v_mean, middle, rolled, now) + force_along(s_mean, v_mean, middle, now, law))
+        tilt = track_tilt(s_mean, law)
+        if tilt != 0.0:
+            weight_x = k.gravity_x * np.cos(tilt) - k.gravity_z * np.sin(tilt)
+            weight_z = k.gravity_z * np.cos(tilt) + k.gravity_x * np.sin(tilt)
+        torque = dt * ball_torque(rolled, law)
+        new_vx = vx + dt * weight_x + applied * cos_m / m
+        new_vz = vz + dt * weight_z - applied * sin_m / m
         free_gap = (x + 0.5 * dt * (vx + new_vx)) * sin_e + (z + 0.5 * dt * (vz + new_vz)) * cos_e - height
         normal = 0.0
         if free_gap <= 0.0:
             # v · n = −α̇ s at the end of the step; the impulses act along the mean directions, half a turn before
             missing = -next_rate * (new_x * cos_e - new_z * sin_e) - (new_vx * sin_e + new_vz * cos_e)
             normal = max((m * missing - tangential * np.sin(turn)) / np.cos(turn), 0.0)
-        tangential, moment, at_rest = 0.0, 0.0, False
+        # a hop does not undo the stretch: in a piece of a step around a turning point it may be one of rounding
+        tangential, moment, at_rest, twist, stretch = 0.0, 0.0, False, 0.0, ball.stretch
         if normal > 0.0:
             new_vx += normal * sin_m / m
             new_vz += normal * cos_m / m
-            slip = new_vx * cos_e - new_vz * sin_e - next_rate * k.eccentricity - r * ball.spin
+            if law.presliding != 0.0:
+                stretch, stretched = dahl(ball.stretch, dt * v_mean, normal / dt, law)
+                twist = -dt * r * law.presliding_stiffness * stretched
+            c_plus, c_minus = resistance_coefficients(s_mean, v_mean, rolled, now, law)
+            free_spin = ball.spin + (torque + twist) / J
+            slip = new_vx * cos_e - new_vz * sin_e - next_rate * k.eccentricity - r * free_spin
             tangential, moment, at_rest = friction(
-                slip, ball.spin - next_rate, np.cos(turn) / m, r, 1.0 / J, k.grip * normal, k.rolling_arm * normal
+                slip,
+                free_spin - next_rate,
+                np.cos(turn) / m,
+                r,
+                1.0 / J,
+                k.grip * normal,
+                (k.rolling_arm + c_plus * r) * normal,
+                (k.rolling_arm + c_minus * r) * normal,
             )
             new_vx += tangential * cos_m / m
             new_vz -= tangential * sin_m / m
-        new_spin = ball.spin + (moment - r * tangential) / J
+        new_spin = ball.spin + (torque + twist + moment - r * tangential) / J
         new_x = x + 0.5 * dt * (vx + new_vx)
         new_z = z + 0.5 * dt * (vz + new_vz)
         new_velocity = new_vx * cos_e - new_vz * sin_e - next_rate * (new_x * sin_e + new_z * cos_e)
@@ -181,11 +194,14 @@ def step(
         if at_rest:  # carried by the beam like a part of it: assigned, so that rounding cannot make it creep
             new_vx, new_vz, new_spin, new_velocity = next_rate * new_z, -next_rate * new_x, next_rate, 0.0
 
-    # energy: what the beam's torque and the applied force gave, what the relative velocities at the contact took
+    # energy: what the beam's torque, the applied force and the turned weight gave, what the contact took
+    moment += twist
     impulse_x, impulse_z = normal * sin_m + tangential * cos_m, normal * cos_m - tangential * sin_m
     contact_x, contact_z = 0.5 * (x + new_x) - r * sin_m, 0.5 * (z + new_z) - r * cos_m
     given = (contact_z * impulse_x - contact_x * impulse_z + moment) * (next_angle - angle) / dt
     given += 0.5 * applied * ((vx + new_vx) * cos_m - (vz + new_vz) * sin_m)
+    given += torque * 0.5 * (ball.spin + new_spin)
+    given += m * ((weight_x - k.gravity_x) * (new_x - x) + (weight_z - k.gravity_z) * (new_z - z))
     new_slip = new_velocity - r * (new_spin - next_rate)
     new_opening = new_vx * sin_e + new_vz * cos_e + next_rate * along
     turning = ball.spin - rate + new_spin - next_rate
@@ -200,89 +216,6 @@ def step(
         along,
         ball.given + given,
         ball.taken + taken,
+        stretch,
     )
     return moved, normal
-
-
-@njit(cache=True)
-def careful_step(
-    ball: Ball,
-    angle: float,
-    rate: float,
-    next_angle: float,
-    next_rate: float,
-    time: float,
-    dt: float,
-    k: Constants,
-    force: AppliedForce,
-) -> tuple[Ball, float]:
-    """`step`, cut into pieces around the instant at which the ball stops rolling one way.
-
-    Resistance changes its sign there. A single step would give the new sign to all of it: a velocity error of first
-    order at every turning point, where everything else is of second.
-    """
-    normal, done = 0.0, 0.0
-    start, start_rate, acceleration = angle, rate, (next_rate - rate) / dt
-    while done < dt:
-        piece = dt - done
-        end_angle, end_rate = next_angle, next_rate
-        moved, impulse = step(ball, angle, rate, end_angle, end_rate, time + done, piece, k, force)
-        while piece > FINEST * dt and (ball.spin - rate) * (moved.spin - end_rate) <= 0.0 and ball.spin != rate:
-            piece *= 0.5
-            end_rate = start_rate + (done + piece) * acceleration
-            end_angle = start + (done + piece) * 0.5 * (start_rate + end_rate)
-            moved, impulse = step(ball, angle, rate, end_angle, end_rate, time + done, piece, k, force)
-        ball, angle, rate = moved, end_angle, end_rate
-        normal += impulse
-        done += piece
-    return ball, normal
-
-
-@njit(cache=True)
-def describe(ball: Ball, angle: float, rate: float, normal_force: float, k: Constants, row: FloatArray) -> None:
-    """Write what is observable at an instant into `row`, shape (COLUMNS,), in the order of COLUMNS."""
-    sin, cos = np.sin(angle), np.cos(angle)
-    velocity = (ball.velocity_x * cos - ball.velocity_z * sin) - (rate * ball.z * cos + rate * ball.x * sin)
-    kinetic = k.mass * (ball.velocity_x**2 + ball.velocity_z**2) + k.inertia * ball.spin**2
-    row[0] = ball.along
-    row[1] = velocity
-    row[2] = ball.turned - angle
-    row[3] = ball.spin
-    row[4] = velocity - k.rolling_radius * (ball.spin - rate)
-    row[5] = ball.x * sin + ball.z * cos - k.eccentricity - k.rolling_radius
-    row[6] = normal_force
-    row[7] = 0.5 * kinetic - k.mass * (k.gravity_x * ball.x + k.gravity_z * ball.z)
-    row[8] = ball.given
-    row[9] = ball.taken
-
-
-@njit(cache=True)
-def advance(
-    ball: Ball,
-    angle: FloatArray,
-    rate: FloatArray,
-    start: float,
-    dt: float,
-    k: Constants,
-    force: AppliedForce,
-    rows: FloatArray,
-) -> Ball:
-    """Step through a given beam motion.
-
-    Args:
-        ball: state at the first instant.
-        angle: α at the instants, shape (n + 1,) [rad].
-        rate: α̇ there, shape (n + 1,) [rad/s].
-        start: time of the first instant [s].
-        dt: distance of the instants [s].
-        k: constants of the contact.
-        force: F(s, ṡ, α, φ − α, t) along the beam [N], compiled to FORCE_SIGNATURE.
-        rows: filled for the instants 1 … n, shape (n, len(COLUMNS)); the normal force is the mean over a step.
-
-    Returns:
-        The ball at the last instant.
-    """
-    for i in range(rows.shape[0]):
-        ball, normal = careful_step(ball, angle[i], rate[i], angle[i + 1], rate[i + 1], start + i * dt, dt, k, force)
-        describe(ball, angle[i + 1], rate[i + 1], normal / dt, k, rows[i])
-    return ball

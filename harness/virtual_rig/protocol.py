@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from analytic.motion import FloatArray, State
+from harness.virtual_rig.channel import Channel
+from harness.virtual_rig.effects import Effects, checked
 from harness.virtual_rig.plant import Plant, Run, Simulation
 from harness.virtual_rig.sensors import Encoder, Laser
 from harness.virtual_rig.servo import Servo
@@ -36,12 +38,29 @@ class Sensors:
     Attributes:
         encoder: of the beam angle.
         laser: of the ball's position.
+        channel: what lies between the ball and the laser's reading.
         rate: readings a second [Hz].
     """
 
     encoder: Encoder = field(default_factory=Encoder)
     laser: Laser = field(default_factory=Laser)
+    channel: Channel = field(default_factory=Channel)
     rate: float = 100.0
+
+    def with_effects(self, effects: Effects) -> Sensors:
+        """The same sensors with those of `effects` that are theirs; the others are passed over.
+
+        Raises:
+            InputError: names or values that cannot be.
+        """
+        effects, channel = checked(effects), self.channel
+        if "position_gain" in effects:
+            channel = replace(channel, gain=effects["position_gain"]["gain"])
+        if "position_lag" in effects:
+            channel = replace(channel, time_constant=effects["position_lag"]["time_constant"])
+        if "channel_delay" in effects:
+            channel = replace(channel, delay=effects["channel_delay"]["delay"])
+        return replace(self, channel=channel)
 
     def stride(self, step: float) -> int:
         """Plant steps of `step` [s] between two readings.
@@ -69,12 +88,13 @@ def record(run: Run, sensors: Sensors, seed: int) -> Record:
     Raises:
         ValueError: the readings do not fall on the run's instants.
     """
-    picked = slice(None, None, sensors.stride(float(run.time[1] - run.time[0])))
+    dt = float(run.time[1] - run.time[0])
+    time = run.time[:: sensors.stride(dt)].copy()
     encoder_noise, laser_noise = _generators(seed)
     return Record(
-        run.time[picked].copy(),
-        sensors.encoder.measure(run.angle[picked], encoder_noise),
-        sensors.laser.measure(run.position[picked], laser_noise),
+        time,
+        sensors.encoder.measure(sensors.channel.beside(run.shaft, dt, time), encoder_noise),
+        sensors.laser.measure(sensors.channel.read(run.position, dt, time), laser_noise),
     )
 
 
@@ -94,9 +114,9 @@ class Controller:
     filter_time: float = 0.10
     deflection_limit: float = math.radians(3.5)
 
-    def command(self, target: float, position: float, velocity: float) -> float:
-        """Angle asked of the servo [rad] for a target and a seen position [m] and velocity [m/s]."""
-        wanted = self.gain * (target - position) - self.damping * velocity
+    def command(self, target: float, position: float, velocity: float, push: float = 0.0) -> float:
+        """Angle asked of the servo [rad] for a target, a seen position [m] and velocity [m/s], and a push [rad]."""
+        wanted = self.gain * (target - position) - self.damping * velocity + push
         return min(max(wanted, -self.deflection_limit), self.deflection_limit)
 
 
@@ -108,20 +128,36 @@ class Protocol:
         start: where the ball lies [m].
         targets: (from when [s], where to [m]), in order of time.
         duration: [s].
+        shaking: (amplitude [rad], frequency [rad/s], phase [rad]) of sines that push the command besides.
+        strength: (when [s], factor) of the shaking, linear between them and constant outside.
     """
 
     start: float
     targets: tuple[tuple[float, float], ...]
     duration: float
+    shaking: tuple[tuple[float, float, float], ...] = ()
+    strength: tuple[tuple[float, float], ...] = ((0.0, 1.0),)
 
     def target(self, time: float) -> float:
         """Where the ball should be at `time` [s]: the start, or the latest target [m]."""
         reached = [place for begin, place in self.targets if begin <= time]
         return reached[-1] if reached else self.start
 
+    def push(self, time: FloatArray) -> FloatArray:
+        """What is added to the commanded angle at `time`, shape (n,) [s]; the same shape [rad]."""
+        sines = sum((a * np.sin(w * time + p) for a, w, p in self.shaking), np.zeros_like(time))
+        return sines * np.interp(time, *np.transpose(self.strength))
+
 
 def perform(
-    protocol: Protocol, plant: Plant, servo: Servo, controller: Controller, sensors: Sensors, seed: int
+    protocol: Protocol,
+    plant: Plant,
+    servo: Servo,
+    controller: Controller,
+    sensors: Sensors,
+    seed: int,
+    *,
+    effects: Effects | None = None,
 ) -> tuple[Run, Record]:
     """Carry out an experiment in closed loop: the controller sees what is recorded, and nothing else.
 
@@ -133,34 +169,43 @@ def perform(
         servo: what turns the beam.
         controller: runs once for each reading of the sensors.
         sensors: what is read, and how often.
-        seed: of the sensors' noise.
+        seed: of the sensors' noise, and of how the ball lies at the start.
+        effects: what acts besides in plant and sensors.
 
     Returns:
         What happened, and what was recorded of it.
 
     Raises:
+        InputError: effects that cannot be.
         ValueError: the readings do not fall on plant steps.
     """
+    if effects:
+        plant, sensors = plant.with_effects(effects, turned_before=turned_before(seed)), sensors.with_effects(effects)
     stride = sensors.stride(plant.step)
     simulation = Simulation(plant, State(protocol.start, 0.0), protocol.duration)
     simulation.begin()
     encoder_noise, laser_noise = _generators(seed)
     instants = np.arange(0, simulation.time.size, stride)
-    position = np.empty(instants.size)
+    times = simulation.time[instants]
+    position, pushes, lagged = (
+        np.empty(instants.size),
+        protocol.push(times),
+        np.full(simulation.time.size, protocol.start),
+    )
     seen = reading = protocol.start
     for number, here in enumerate(instants.tolist()):
-        position[number] = sensors.laser.measure(np.array(simulation.position()), laser_noise)
+        delivered = sensors.channel.delivered(lagged[: here + 1], plant.step, times[number : number + 1])
+        position[number] = sensors.laser.measure(delivered, laser_noise)[0]
         reading = reading if math.isnan(position[number]) else float(position[number])
         velocity = (reading - seen) / (controller.filter_time + 1.0 / sensors.rate)
         seen += velocity / sensors.rate
-        command = controller.command(protocol.target(float(simulation.time[here])), seen, velocity)
+        command = controller.command(protocol.target(float(times[number])), seen, velocity, float(pushes[number]))
         period = slice(here, here + stride + 1)
-        servo.follow(
-            command, plant.step, simulation.angle[period], simulation.rate[period], simulation.acceleration[period]
-        )
+        servo.follow(command, plant.step, *simulation.shaft[:, period])
         simulation.advance(min(here + stride, simulation.time.size - 1))
-    angle = sensors.encoder.measure(simulation.angle[instants], encoder_noise)
-    return simulation.run(), Record(simulation.time[instants].copy(), angle, position)
+        sensors.channel.lag(simulation.position[period], lagged[period], plant.step)
+    angle = sensors.channel.beside(simulation.shaft[0], plant.step, times)
+    return simulation.run(), Record(times.copy(), sensors.encoder.measure(angle, encoder_noise), position)
 
 
 def recording_text(record: Record) -> str:
@@ -178,5 +223,10 @@ def write_recording(path: Path, record: Record) -> None:
 
 def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:
     """Independent noise for encoder and laser, so that neither depends on how often the other is read."""
-    encoder, laser = np.random.SeedSequence(seed).spawn(2)
+    encoder, laser, _ = np.random.SeedSequence(seed).spawn(3)
     return np.random.default_rng(encoder), np.random.default_rng(laser)
+
+
+def turned_before(seed: int) -> float:
+    """How the ball happens to lie at the start of the recording with this seed, φ₀ in 0 … 2π [rad]."""
+    return float(np.random.default_rng(np.random.SeedSequence(seed).spawn(3)[2]).uniform(0.0, 2.0 * math.pi))

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from analytic.motion import FloatArray
-from harness.virtual_rig import Run
 from tests.motions import Fixed, Sines
 
-__all__ = ["Fixed", "Parabola", "Replay", "Sines"]
+__all__ = ["Fixed", "Parabola", "Sines"]
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,3 @@ class Parabola:
     def acceleration(self, time: FloatArray) -> FloatArray:
         """α̈ [rad/s²]."""
         return np.where(time < self.stop, self.steepness, 0.0)
-
-
-class Replay:
-    """The beam motion of a run; the servo's α is piecewise quadratic, which a cubic reproduces exactly."""
-
-    def __init__(self, run: Run) -> None:
-        self.angle = CubicHermiteSpline(run.time, run.angle, run.rate)
-        self.rate = self.angle.derivative(1)
-        self.acceleration = self.angle.derivative(2)
