@@ -69,6 +69,8 @@ def _resist(
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
         limit = _limit(s, v, sign, a1, p)
+        if p[DRY_STATIC] != 0.0:  # it depends on the velocity: take that of mid-step
+            limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, a1, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
