@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 from typing import Any, NoReturn
@@ -57,6 +58,8 @@ class StateType(click.ParamType):
         try:
             position, velocity = map(float, str(value).split(","))
         except ValueError:
+            position = velocity = math.nan
+        if not (math.isfinite(position) and math.isfinite(velocity)):
             self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
         return State(position, velocity)
 
@@ -71,14 +74,17 @@ class AngleType(click.ParamType):
         if value is None or isinstance(value, float) or value == "estimate":
             return value
         text, factor = str(value).strip(), 1.0
-        for unit, size in (("deg", 0.017453292519943295), ("°", 0.017453292519943295), ("rad", 1.0)):
+        for unit, size in (("deg", math.radians(1.0)), ("°", math.radians(1.0)), ("rad", 1.0)):
             if text.endswith(unit):
                 text, factor = text.removesuffix(unit), size
                 break
         try:
-            return float(text) * factor
+            angle = float(text) * factor
         except ValueError:
+            angle = math.nan
+        if not math.isfinite(angle):
             self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+        return angle
 
 
 @click.group(cls=Friendly, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})

@@ -8,7 +8,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -19,32 +19,44 @@ import pandas as pd
 
 from harness.compare import Study
 from harness.errors import InputError
+from harness.recording.case import RIG_FILE
 
-_PACKAGES = ("mujoco", "pybullet", "numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
+_PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
 
 
 @contextmanager
 def all_or_nothing(folder: Path) -> Iterator[Path]:
     """A scratch folder whose files are moved into `folder` when the block ends well, and deleted when it does not.
 
-    Files of other names that are already in `folder` stay.
+    Files of other names that are already in `folder` stay. Folders that were made for nothing are removed again.
 
     Raises:
         InputError: the folder cannot be made or written.
     """
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    done = False
+    scratch: Path | None = None
     try:
         folder.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
-    except OSError as error:
-        raise InputError(
-            f"{folder}: cannot write there ({error.strerror}); choose another folder with --out"
-        ) from error
-    try:
         yield scratch
-        for file in sorted(scratch.iterdir()):
+        files = sorted(scratch.iterdir())
+        blocked = [file.name for file in files if (folder / file.name).is_dir()]
+        if blocked:
+            raise InputError(f"{folder / blocked[0]}: is a folder, and a file of this name is to be written; move it")
+        for file in files:
             file.replace(folder / file.name)
+        done = True
+    except OSError as error:
+        where = error.filename or folder
+        raise InputError(f"{where}: cannot be written ({error.strerror}); choose another folder with --out") from error
     finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
+        if not done:
+            for path in made:
+                with suppress(OSError):  # not made after all, or by now somebody else's
+                    path.rmdir()
 
 
 def trajectories(study: Study) -> pd.DataFrame:
@@ -69,14 +81,15 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
         "case": str(setting.case.path),
         "origin": setting.case.origin,
         "inputs": {
-            setting.recording.name: setting.recording.sha256,
-            **({"rig.toml": setting.case.sha256} if setting.case.sha256 else {}),
+            **{one.name: one.sha256 for one in setting.used},
+            **({RIG_FILE: setting.case.sha256} if setting.case.sha256 else {}),
         },
         "versions": {
             "harness": version("ball-beam-harness"),
             "python": platform.python_version(),
             "platform": f"{sys.platform} {platform.machine()}",
             **{name: version(name) for name in _PACKAGES},
+            **{engine.name: engine.version() for engine, _ in study.engines},
         },
         "settings": {
             "rig": asdict(setting.rig),
@@ -84,6 +97,8 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
             "start": asdict(setting.start),
             "horizons": [one.name for one in setting.horizons],
             "headline": study.headline.name,
+            "recording": setting.recording.name,
+            "draws": setting.choices.draws,
             "tolerance_m": setting.choices.tolerance,
             "engines": {engine.name: parameters.model_dump() for engine, parameters in study.engines},
         },

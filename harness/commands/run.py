@@ -5,15 +5,18 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, Literal
 
 import click
 
 from analytic.motion import State
 from harness.compare import Choices, Study, prepare, study
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of, read_settings
+from harness.engines.protocol import Engine, EngineParameters
+from harness.errors import EngineFailure
 from harness.metrics import Score
 from harness.outputs import all_or_nothing, manifest, to_json, write_tables
 from harness.progress import told_on_stderr
@@ -33,7 +36,7 @@ def run_case(
     assignments: Sequence[str] = (),
     parameters: Path | None = None,
     start: State | None = None,
-    level_angle: float | str | None = None,
+    level_angle: float | Literal["estimate"] | None = None,
     windows: Sequence[float] = (),
     tube: float = 0.010,
     seed: int = 0,
@@ -47,37 +50,58 @@ def run_case(
         InputError: anything the user gave cannot be used; nothing has been written then.
     """
     begin = time.monotonic()
-    settings = read_settings(parameters, assignments)
-    names = tuple(dict.fromkeys((*(engines or DEFAULT_ENGINES), *settings)))
-    chosen = [(engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names)]
+    chosen = _choose_engines(engines, read_settings(parameters, assignments))
     case = load_case(path)
     limits = tolerances_for(case.path, tolerances) if check_limits or tolerances else None
     choices = Choices(
         recording=recording,
         start=start,
-        level_angle=level_angle,  # type: ignore[arg-type]
+        level_angle=level_angle,
         lengths=tuple(windows) or Choices.lengths,
         tolerance=tube,
         seed=seed,
     )
     progress = told_on_stderr()
-    progress("drive and measured state")
-    result = study(prepare(case, choices), chosen, progress)
-    checks = check(result, limits) if limits is not None else []
-    progress("report")
     folder = out or REPORTS / _name(case)
-    with all_or_nothing(folder) as scratch:
+    with all_or_nothing(folder) as scratch:  # entered first: what cannot be written need not be computed
+        progress("drive and measured state")
+        result = study(prepare(case, choices), chosen, progress)
+        checks = check(result, limits) if limits is not None else []
+        progress("report")
         write_tables(result, scratch)
         facts = manifest(result, command=shlex.join(["harness", *sys.argv[1:]]), wall_time=time.monotonic() - begin)
         (scratch / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
         (scratch / "report.html").write_text(render_comparison(result, facts, checks=checks), encoding="utf-8")
     progress("")
     click.echo(_as_json(result, checks, folder) if as_json else _as_text(result, checks, folder))
-    for failure in result.failures:
-        click.echo(f"error: {failure}", err=True)
+    for text in _failures(result):
+        click.echo(f"error: {text}", err=True)
     if result.failures:
         return 3
     return 0 if all(one.passed for one in checks) else 1
+
+
+def _choose_engines(
+    names: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+) -> list[tuple[Engine, EngineParameters]]:
+    """Those that are named; else the default ones and whichever has settings. All settings are checked."""
+    engines = {name: engine_of(name) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
+    checked = {name: parameters_of(engine, settings.get(name, {})) for name, engine in engines.items()}
+    return [(engines[name], checked[name]) for name in dict.fromkeys(names or engines)]
+
+
+def _failures(result: Study) -> list[str]:
+    """One message an engine, however many of its runs failed."""
+    by_engine: dict[str, list[EngineFailure]] = {}
+    for failure in result.failures:
+        by_engine.setdefault(failure.engine, []).append(failure)
+    runs = {run.source: 0 for run in result.runs}
+    for run in result.runs:
+        runs[run.source] += len(run.horizon.first)
+    return [
+        f"{failures[0]} ({len(failures)} of its {runs[name]} runs failed; the report has the other sources)"
+        for name, failures in by_engine.items()
+    ]
 
 
 def _name(case: Case) -> str:

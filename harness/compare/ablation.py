@@ -26,6 +26,8 @@ _FRICTION_START = {  # of f_b, in the unit its reading needs: each slows a ball 
     Reading.VISCOUS: 0.03,
 }
 
+_LOST = 1e3  # the error of a run that ran away, finite so that the fit can turn back from it [m]
+
 
 @dataclass(frozen=True)
 class Combination:
@@ -93,7 +95,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
     def errors(x: FloatArray) -> FloatArray:
         position = run(x)
         pieces = [(position[i, w] - measured[w])[use[i]] for i, w in enumerate(horizon.slices())]
-        return np.nan_to_num(np.concatenate(pieces), nan=1e3, posinf=1e3, neginf=-1e3)
+        return np.nan_to_num(np.concatenate(pieces), nan=_LOST).clip(-_LOST, _LOST)
 
     x = np.array([0.0] * level + ([_FRICTION_START[model.reading]] if model.reading else []))
     if len(x):

@@ -25,7 +25,8 @@ TABLE_2: Mapping[str, Mapping[str, float]] = {
 """The paper's figures on its own recording, which is not public."""
 
 LEVEL_OF_PAPER = math.radians(-0.16)  # α₀ of Table 1
-_PAYS = 0.05  # a term pays if it takes at least this share off the RMS error
+_PAYS = 0.05  # a term pays if it takes at least this share off the RMS error beyond the sensor's noise
+_SURE = 2.0  # standard deviations
 
 
 class Verdict(StrEnum):
@@ -58,14 +59,52 @@ class Difference:
 Combinations = Mapping[tuple[str, bool, bool, Reading], Combination]
 
 
-def claims(setting: Setting, horizon: Horizon, combinations: Combinations, u_val: FloatArray) -> list[Claim]:
-    """The paper's claims (a) to (c) on the runs of `horizon`, whose u_val has shape (runs, n) [m]."""
-    doubt = _rms(u_val)
+@dataclass(frozen=True)
+class Inputs:
+    """What start, angle and reading leave open on the runs that are judged.
+
+    Attributes:
+        u_val: of the runs, shape (runs, n), NaN outside [m].
+        displacement: of the ball by drawn inputs, shape (draws, runs, n) [m].
+    """
+
+    u_val: FloatArray
+    displacement: FloatArray
+
+
+def claims(setting: Setting, horizon: Horizon, combinations: Combinations, inputs: Inputs) -> list[Claim]:
+    """The paper's claims (a) to (c) on the runs of `horizon`."""
+    judge = Judge(setting, horizon, inputs)
     return [
-        _level(setting, horizon, combinations, doubt),
-        _eccentric(combinations, doubt),
-        _friction(combinations, doubt),
+        _level(setting, horizon, combinations, _rms(inputs.u_val)),
+        _eccentric(combinations, judge),
+        _friction(combinations, judge),
     ]
+
+
+class Judge:
+    """Whether one model fits better than another, or inputs alone could make it look so.
+
+    An error of angle or start displaces both models by nearly the same d(t). Of the difference of their mean square
+    errors, ⟨(A − D)²⟩ − ⟨(B − D)²⟩, it shifts only 2 ⟨(A − B) d⟩, and the reading's noise likewise. What both models'
+    fitted parameters absorb of d, A − B does not contain.
+    """
+
+    def __init__(self, setting: Setting, horizon: Horizon, inputs: Inputs) -> None:
+        inside = np.zeros(inputs.u_val.shape, np.bool_)
+        for i, where in enumerate(horizon.slices()):
+            inside[i, where] = setting.ball.trusted[where]
+        self._use, self.noise = inside, setting.reading_noise
+        self._moved = inputs.displacement[:, inside]
+
+    def gain(self, base: Combination, other: Combination) -> tuple[float, float]:
+        """By how much the mean square error of `other` is below that of `base`, and its standard deviation [m²]."""
+        apart = (base.position - other.position)[self._use]
+        if not np.all(np.isfinite(apart)):
+            raise ValueError("a model that ran away cannot be compared")
+        by_inputs = np.std(2.0 * np.mean(self._moved * apart, axis=1))
+        by_noise = 2.0 * self.noise * np.sqrt(np.mean(apart**2) / apart.size)
+        return base.rms_error**2 - other.rms_error**2, float(np.hypot(by_inputs, by_noise))
 
 
 def differences(combinations: Combinations) -> list[Difference]:
@@ -102,9 +141,9 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, doubt
     limit = TABLE_2["max_error_m"]["friction"]
     because = (
         f"a levelling error of −0.16° (the paper's) moves CUM by {1e3 * moved[0]:.1f} mm and CAM by "
-        f"{1e3 * moved[1]:.1f} mm RMS; with α₀ fitted ({_degrees(fitted[0])} and {_degrees(fitted[1])}) their RMS errors "
-        f"go from {1e3 * gain[0][0]:.1f} to {1e3 * gain[0][1]:.1f} mm and from {1e3 * gain[1][0]:.1f} to "
-        f"{1e3 * gain[1][1]:.1f} mm; inputs leave {1e3 * doubt:.1f} mm open"
+        f"{1e3 * moved[1]:.1f} mm RMS; α₀ fitted instead of 0 ({_degrees(fitted[0])} and {_degrees(fitted[1])}) takes "
+        f"their RMS errors from {1e3 * gain[0][0]:.1f} to {1e3 * gain[0][1]:.1f} mm and from {1e3 * gain[1][0]:.1f} "
+        f"to {1e3 * gain[1][1]:.1f} mm; angle, start and sensor leave {1e3 * doubt:.1f} mm open"
     )
     if min(moved) > max(limit, 2.0 * doubt):
         return Claim("a", text, Verdict.CONFIRMED, because)
@@ -113,59 +152,62 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, doubt
     return Claim("a", text, Verdict.UNDECIDABLE, because)
 
 
-def _eccentric(combinations: Combinations, doubt: float) -> Claim:
-    """(b): with everything else at its best, does the α̈ term lower the error?"""
+def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
+    """(b): with everything else at its best, does the α̈ term lower the error by a share worth having?"""
     text = "modelling the eccentric pivot does not pay"
     without, with_ = _best(combinations, eccentric=False), _best(combinations, eccentric=True)
-    effect = _rms(
+    moved = _rms(
         combinations["r", True, False, Reading.NONE].position - combinations["r", False, False, Reading.NONE].position
     )
+    gain, doubt = judge.gain(without, with_)
+    worth = (1.0 - (1.0 - _PAYS) ** 2) * max(without.rms_error**2 - judge.noise**2, 0.0)
     because = (
-        f"the α̈ term alone moves the ball by {1e3 * effect:.2f} mm RMS; the best model without it errs by "
+        f"the α̈ term alone moves the ball by {1e3 * moved:.2f} mm RMS; the best model without it errs by "
         f"{1e3 * without.rms_error:.2f} mm ({_describe(without)}), with it by {1e3 * with_.rms_error:.2f} mm "
-        f"({_describe(with_)}); inputs leave {1e3 * doubt:.2f} mm open"
+        f"({_describe(with_)}); to pay it has to take {100 * _PAYS:.0f} % off what exceeds the sensor's "
+        f"noise of {1e3 * judge.noise:.2g} mm. {_weighed(gain, doubt)}"
     )
-    change = abs(with_.rms_error - without.rms_error)
-    if with_.rms_error < (1.0 - _PAYS) * without.rms_error and change > _noticeable(effect, doubt, without.rms_error):
+    if gain - _SURE * doubt > worth:
         return Claim("b", text, Verdict.REFUTED, because)
-    if effect < doubt and change < doubt:
-        return Claim("b", text, Verdict.UNDECIDABLE, because)
-    return Claim("b", text, Verdict.CONFIRMED, because)
+    if gain + _SURE * doubt < worth:
+        return Claim("b", text, Verdict.CONFIRMED, because)
+    return Claim("b", text, Verdict.UNDECIDABLE, because)
 
 
-def _noticeable(effect: float, doubt: float, error: float) -> float:
-    """A change below what inputs leave open is luck, unless the fit already reaches that floor."""
-    return 0.0 if error < 2.0 * doubt and effect > doubt else 0.5 * doubt
-
-
-def _friction(combinations: Combinations, doubt: float) -> Claim:
+def _friction(combinations: Combinations, judge: Judge) -> Claim:
     """(c): of all single additions to CUM, does friction take most off the error, with α₀ fitted and without?"""
     text = "a friction term matters most, even without the levelling error"
     verdicts, parts = [], []
     for level in (False, True):
-        base = combinations["R", False, level, Reading.NONE].rms_error
-        friction = min(combinations["R", False, level, reading].rms_error for reading in Reading if reading)
+        base = combinations["R", False, level, Reading.NONE]
+        friction = min((combinations["R", False, level, one] for one in Reading if one), key=lambda one: one.rms_error)
         rivals = {
-            "the α̈ term": combinations["R", True, level, Reading.NONE].rms_error,
-            "the radius r": combinations["r", False, level, Reading.NONE].rms_error,
+            "the α̈ term": combinations["R", True, level, Reading.NONE],
+            "the radius r": combinations["r", False, level, Reading.NONE],
         }
         if not level:
-            rivals["α₀"] = combinations["R", False, True, Reading.NONE].rms_error
-        best = min(rivals, key=lambda name: rivals[name])
+            rivals["α₀"] = combinations["R", False, True, Reading.NONE]
+        name = min(rivals, key=lambda name: rivals[name].rms_error)
+        lead, doubt = judge.gain(rivals[name], friction)
         parts.append(
-            f"with α₀ {'fitted' if level else '= 0'} friction takes CUM from {1e3 * base:.1f} to "
-            f"{1e3 * friction:.1f} mm RMS, {best} to {1e3 * rivals[best]:.1f} mm"
+            f"with α₀ {'fitted' if level else '= 0'} friction takes CUM from {1e3 * base.rms_error:.1f} to "
+            f"{1e3 * friction.rms_error:.1f} mm RMS, {name} to {1e3 * rivals[name].rms_error:.1f} mm. "
+            f"{_weighed(lead, doubt)}"
         )
-        if base - min(friction, rivals[best]) < doubt:
+        if abs(lead) <= _SURE * doubt:
             verdicts.append(Verdict.UNDECIDABLE)
         else:
-            verdicts.append(Verdict.CONFIRMED if friction < rivals[best] else Verdict.REFUTED)
+            verdicts.append(Verdict.CONFIRMED if lead > 0.0 else Verdict.REFUTED)
     because = "; ".join(parts)
-    if Verdict.REFUTED in verdicts:
-        return Claim("c", text, Verdict.REFUTED, because)
-    if Verdict.UNDECIDABLE in verdicts:
-        return Claim("c", text, Verdict.UNDECIDABLE, because + f"; inputs leave {1e3 * doubt:.1f} mm open")
-    return Claim("c", text, Verdict.CONFIRMED, because)
+    for verdict in (Verdict.REFUTED, Verdict.UNDECIDABLE, Verdict.CONFIRMED):
+        if verdict in verdicts:
+            return Claim("c", text, verdict, because)
+    raise AssertionError("unreachable")
+
+
+def _weighed(gain: float, doubt: float) -> str:
+    """The difference of two mean square errors beside what inputs leave open of it."""
+    return f"The mean squares differ by {1e6 * gain:.3g} mm², of which inputs leave ± {1e6 * _SURE * doubt:.2g} open"
 
 
 def _best(combinations: Combinations, *, eccentric: bool) -> Combination:

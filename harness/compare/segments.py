@@ -37,7 +37,7 @@ class Horizon:
 
 
 def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float]) -> list[Horizon]:
-    """The whole recording from its first known position, and adjoining windows of each of `lengths` [s].
+    """The whole recording from its first known position, and adjoining windows of each length [s], shortest first.
 
     A window that is cut short by the end, or of which less than half of the positions are known, is left out; so is
     a length of which no window remains.
@@ -48,7 +48,7 @@ def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float
     """
     begin = int(np.argmax(known))
     found = [Horizon(None, np.array([begin]), np.array([len(time) - 1]))]
-    for length in lengths:
+    for length in sorted(set(lengths)):
         # Half a stamp of slack: a recording of 16 s holds eight windows of 2 s although its last stamp is 15.99 s.
         slack = 0.5 * float(np.median(np.diff(time)))
         count = int((time[-1] - time[begin] + 2 * slack) / length + 1e-9)
@@ -62,4 +62,4 @@ def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float
 
 
 def _measured(known: NDArray[np.bool_]) -> bool:
-    return len(known) > 2 and bool(known[0]) and float(np.mean(known)) >= 0.5
+    return len(known) > 2 and float(np.mean(known)) >= 0.5

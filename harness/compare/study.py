@@ -11,11 +11,11 @@ from analytic.models import CAM, MODELS, Reading
 from analytic.motion import FloatArray
 from harness.compare.ablation import Combination, ablate
 from harness.compare.attribution import Attribution, attribute
-from harness.compare.paper import Claim, Difference, claims, differences
+from harness.compare.paper import Claim, Difference, Inputs, claims, differences
 from harness.compare.segments import Horizon
 from harness.compare.setting import Setting
 from harness.compare.sources import Progress, SourceRuns, run_all
-from harness.compare.uncertainty import propagate
+from harness.compare.uncertainty import displacements, uncertainty
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.metrics import Comparison, Score, score
@@ -79,16 +79,18 @@ def study(
     """Run, score and explain everything. Engine failures are kept in the result, not raised."""
     runs = run_all(setting, list(MODELS.values()), engines, progress)
     progress("uncertainty of start and angle")
-    u_val = propagate(setting)
+    moved = displacements(setting)
+    u_val = [uncertainty(setting, one) for one in moved]
     headline = headline_of(setting, u_val)
     spread = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
+    inputs = Inputs(spread[headline.name], moved[setting.horizons.index(headline)])
     progress("scores")
     scores = [_score(setting, run, spread[run.horizon.name]) for run in runs]
     whole = setting.horizons[0]
     by_name = {run.source: run for run in runs if run.horizon is whole}
     attributions = []
     for engine, parameters in engines:
-        progress(f"{engine.name}, half the step")
+        progress(f"{engine.name}, other steps")
         one = attribute(setting, engine, parameters, by_name[engine.name], by_name[CAM.name])
         if one is not None:
             attributions.append(one)
@@ -104,7 +106,7 @@ def study(
         attributions=tuple(attributions),
         combinations=combinations,
         differences=tuple(differences(combinations)),
-        claims=tuple(claims(setting, headline, combinations, spread[headline.name])),
+        claims=tuple(claims(setting, headline, combinations, inputs)),
     )
 
 

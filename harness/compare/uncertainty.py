@@ -16,15 +16,14 @@ from harness.compare.setting import Setting
 from harness.metrics import validation_uncertainty
 
 
-def propagate(setting: Setting) -> list[FloatArray]:
-    """u_val of every horizon of `setting`: one array each, shape (runs, n), NaN outside a run [m]."""
+def displacements(setting: Setting) -> list[FloatArray]:
+    """How far drawn inputs move the ball: one array a horizon, shape (draws, runs, n), NaN outside a run [m]."""
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
     paths: list[BeamMotion] = [drive, *drive.draw(draws, choices.seed)]
     tables = np.array([grid.tabulate(path) for path in paths])
     parameters = _parameters(setting, draws, generator)
-    rounding = (setting.case.sensors.position_resolution or 0.0) / np.sqrt(12.0)
     result = []
     for horizon in setting.horizons:
         runs = len(horizon.first)
@@ -33,6 +32,10 @@ def propagate(setting: Setting) -> list[FloatArray]:
             for i, first in enumerate(horizon.first):
                 root = _root(ball.spread(int(first)))
                 starts[1:, i] += generator.standard_normal((draws, 2)) @ root.T
+            # The state was smoothed relative to CAM, whose velocity holds −K ℓ α̇: a beam that turned faster than it was
+            # read leaves the ball that much slower, and the run cancels it again.
+            rate = tables[:, 2 * grid.marks[horizon.first], 1]
+            starts[1:, :, 1] -= parameters[1:, ECCENTRIC, None] * (rate[1:] - rate[0])
         drawn = integrate(
             grid,
             tables,
@@ -42,9 +45,13 @@ def propagate(setting: Setting) -> list[FloatArray]:
             first=np.tile(horizon.first, draws + 1),
             last=np.tile(horizon.last, draws + 1),
         ).position.reshape(draws + 1, runs, -1)
-        spread = np.sqrt(np.mean((drawn[1:] - drawn[0]) ** 2, axis=0))
-        result.append(validation_uncertainty(ball.noise, rounding, spread))
+        result.append(drawn[1:] - drawn[0])
     return result
+
+
+def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
+    """u_val of the runs that `displacement`, shape (draws, runs, n), belongs to: shape (runs, n) [m]."""
+    return validation_uncertainty(setting.reading_noise, np.sqrt(np.mean(displacement**2, axis=0)))
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:

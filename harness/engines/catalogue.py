@@ -33,7 +33,13 @@ def engine_of(name: str) -> Engine:
     if name not in _CLASSES:
         raise InputError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
     module, attribute = _CLASSES[name]
-    engine: Engine = getattr(importlib.import_module(module), attribute)()
+    try:
+        engine: Engine = getattr(importlib.import_module(module), attribute)()
+    except ImportError as error:  # absent, or present without a system library it needs
+        others = ", ".join(other for other in ENGINES if other != name)
+        raise InputError(
+            f"engine {name} cannot be loaded ({error}); install what it needs, or choose from {others} with --engine"
+        ) from error
     return engine
 
 
@@ -49,7 +55,7 @@ def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, di
             tables = tomllib.loads(file.read_text(encoding="utf-8-sig"))
         except OSError as error:
             raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
-        except tomllib.TOMLDecodeError as error:
+        except ValueError as error:  # of the TOML, or of bytes that are no UTF-8
             raise InputError(f"{file}: not valid TOML: {error}") from error
         for engine, table in tables.items():
             if not isinstance(table, Mapping):
