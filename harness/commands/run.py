@@ -22,7 +22,7 @@ from harness.outputs import all_or_nothing, manifest, to_json, write_tables
 from harness.progress import told_on_stderr
 from harness.recording import Case, load_case
 from harness.report import render_comparison
-from harness.tolerances import Checked, check, render_table, tolerances_for
+from harness.tolerances import Checked, Tolerances, check, render_table, tolerances_for
 
 REPORTS = Path("reports")
 
@@ -53,6 +53,8 @@ def run_case(
     chosen = _choose_engines(engines, read_settings(parameters, assignments))
     case = load_case(path)
     limits = tolerances_for(case.path, tolerances) if check_limits or tolerances else None
+    if limits is not None and engines:  # limits on engines that the user left out are not what was asked
+        limits = limits.without(set(limits.engines) - set(engines))
     choices = Choices(
         recording=recording,
         start=start,
@@ -61,6 +63,8 @@ def run_case(
         tolerance=tube,
         seed=seed,
     )
+    if limits is not None:
+        choices = limits.settle(choices)
     progress = told_on_stderr()
     folder = out or REPORTS / _name(case)
     with all_or_nothing(folder) as scratch:  # entered first: what cannot be written need not be computed
@@ -73,7 +77,7 @@ def run_case(
         (scratch / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
         (scratch / "report.html").write_text(render_comparison(result, facts, checks=checks), encoding="utf-8")
     progress("")
-    click.echo(_as_json(result, checks, folder) if as_json else _as_text(result, checks, folder))
+    click.echo(_as_json(result, checks, folder) if as_json else _as_text(result, checks, limits, folder))
     for text in _failures(result):
         click.echo(f"error: {text}", err=True)
     if result.failures:
@@ -127,7 +131,7 @@ def _as_json(result: Study, checks: Sequence[Checked], folder: Path) -> str:
     )
 
 
-def _as_text(result: Study, checks: Sequence[Checked], folder: Path) -> str:
+def _as_text(result: Study, checks: Sequence[Checked], limits: Tolerances | None, folder: Path) -> str:
     """The answer on a terminal: the table of the headline horizon, the checks, where the report is."""
     from harness.report.answer import answer
 
@@ -141,8 +145,8 @@ def _as_text(result: Study, checks: Sequence[Checked], folder: Path) -> str:
     for one in setting.estimates:
         lines.append(f"  {one.name} = {one.value:.5g} ± {one.std:.2g} {one.unit} ({one.how})")
     lines += ["", *answer(result), "", _table([result.score_of(name, result.headline) for name in result.sources])]
-    if checks:
-        lines += ["", render_table(checks)]
+    if limits is not None:
+        lines += ["", f"tolerances: {limits.path} ({limits.chosen})", render_table(checks)]
     return "\n".join([*lines, "", f"report: {folder / 'report.html'}"])
 
 

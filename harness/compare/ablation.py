@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from analytic.kernel import Grid, integrate
-from analytic.models import CUM, FRICTION_GAIN, LEVEL, Model, Reading, coefficients
+from analytic.models import CUM, FRICTION_GAIN, LEVEL, Model, Reading
 from analytic.motion import FloatArray
 from harness.compare.segments import Horizon
 from harness.compare.setting import Setting
@@ -65,7 +65,7 @@ class Combination:
 def ablate(setting: Setting, horizon: Horizon) -> dict[tuple[str, bool, bool, Reading], Combination]:
     """All combinations on the runs of `horizon`, by their key."""
     grid = Grid.over(setting.time)
-    table = grid.tabulate(setting.drive)
+    table = grid.tabulate(setting.motion)
     found = {}
     for radius, eccentric, level, reading in itertools.product("Rr", (False, True), (False, True), Reading):
         model = CUM.variant("", inertia_radius=radius, eccentric=eccentric, reading=reading)
@@ -77,7 +77,7 @@ def ablate(setting: Setting, horizon: Horizon) -> dict[tuple[str, bool, bool, Re
 def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, model: Model, level: bool) -> Combination:
     rig = setting.rig.with_(level_angle=0.0)
     unit = rig.with_(friction_coefficient=1.0)
-    base = coefficients(model, unit)
+    base = setting.vector(model, unit)
     starts = setting.starts(horizon)
     use = [setting.ball.trusted[where] for where in horizon.slices()]
     measured = setting.recording.position
@@ -85,7 +85,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
     def vector(x: FloatArray) -> FloatArray:
         p = base.copy()
         rest = list(x)
-        p[LEVEL] = rest.pop(0) if level else 0.0
+        p[LEVEL] += rest.pop(0) if level else 0.0
         p[FRICTION_GAIN] *= rest.pop(0) if model.reading else 0.0
         return p
 

@@ -8,7 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from analytic.motion import FloatArray, State
+from analytic.effects import Acting, EffectError, acting, motion_with, parameters_with
+from analytic.models import ORIGIN, Model
+from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig, RigError
 from harness.ball_state import BallEstimate, estimate_ball
 from harness.compare.completion import complete, missing, rough_rig
@@ -55,7 +57,8 @@ class Setting:
         rig: complete; quantities that were estimated or assumed are listed in `estimates`.
         fitted: K, ℓ, α₀ and their covariance when any was estimated, else `None`.
         estimates: what the rig file did not say, with standard errors.
-        drive: the beam motion.
+        acting: the declared effects; every model and engine has them.
+        drive: the measured beam motion.
         ball: the ball's measured state.
         start: ball state at the first stamp of the whole run.
         horizons: the whole recording first, then windows.
@@ -67,6 +70,7 @@ class Setting:
     rig: Rig
     fitted: Fitted | None
     estimates: tuple[Estimate, ...]
+    acting: tuple[Acting, ...]
     drive: Drive
     ball: BallEstimate
     start: State
@@ -88,6 +92,17 @@ class Setting:
     def time(self) -> FloatArray:
         """Stamps, shape (n,) [s]."""
         return self.recording.time
+
+    @property
+    def motion(self) -> BeamMotion:
+        """The beam's motion, which is the measured one unless a declared effect stands between them."""
+        return motion_with(self.drive, self.time, self.acting)
+
+    def vector(self, model: Model, rig: Rig | None = None) -> FloatArray:
+        """The kernel vector of `model` with the declared effects, on the setting's rig or another; shape (SLOTS,)."""
+        vector = parameters_with(model, rig or self.rig, self.acting)
+        vector[ORIGIN] = self.ball.position[self.horizons[0].first[0]]
+        return vector
 
     def starts(self, horizon: Horizon) -> FloatArray:
         """s [m] and ṡ [m/s] at which the runs of `horizon` begin, shape (runs, 2)."""
@@ -137,8 +152,10 @@ def prepare(case: Case, choices: Choices) -> Setting:
     """Settle what a run needs.
 
     Raises:
-        InputError: the recording is not in the case, has no positions, or the rig cannot be completed.
+        InputError: the recording is not in the case or has no positions, the rig cannot be completed, or a declared
+            effect is not in the catalogue.
     """
+    effects = _declared(case)
     recording = _choose(case, choices.recording)
     drive = drive_of(case, recording)
     rough = rough_rig(case.rig)
@@ -165,7 +182,14 @@ def prepare(case: Case, choices: Choices) -> Setting:
         ball = ball_of(case, recording, drive, rig)  # anew, relative to the better model
     spans = tuple(horizons(recording.time, recording.known & ball.trusted, choices.lengths))
     start = choices.start or ball.state(int(spans[0].first[0]))
-    return Setting(case, recording, choices, rig, fitted, tuple(estimates), drive, ball, start, spans)
+    return Setting(case, recording, choices, rig, fitted, tuple(estimates), effects, drive, ball, start, spans)
+
+
+def _declared(case: Case) -> tuple[Acting, ...]:
+    try:
+        return tuple(acting(one.name, one.parameters) for one in case.declared)
+    except EffectError as error:
+        raise InputError(f"{case.path}: [[declared]]: {error}") from error
 
 
 def _choose(case: Case, name: str | None) -> Recording:

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analytic.effects import recorded_with, rig_with
 from analytic.kernel import Grid, integrate
-from analytic.models import Model, coefficients
+from analytic.models import Model
 from analytic.motion import FloatArray, State
 from analytic.rig import Rig
 from harness.compare.segments import Horizon
 from harness.compare.setting import Setting
 from harness.engines.health import Health
+from harness.engines.injection import force_of
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 
@@ -46,10 +48,10 @@ def run_models(
 ) -> list[SourceRuns]:
     """All `models` on one horizon, in one call of the kernel; `rig` other than the setting's on request."""
     grid = Grid.over(setting.time)
-    table = grid.tabulate(setting.drive)
+    table = grid.tabulate(setting.motion)
     count = len(horizon.first)
     starts = setting.starts(horizon)
-    vectors = np.array([coefficients(model, rig or setting.rig) for model in models])
+    vectors = np.array([setting.vector(model, rig) for model in models])
     runs = integrate(
         grid,
         table,
@@ -60,7 +62,16 @@ def run_models(
     )
     shape = (len(models), count, len(setting.time))
     position, velocity = runs.position.reshape(shape), runs.velocity.reshape(shape)
+    for one in position:
+        _record(setting, horizon, one)
     return [SourceRuns(m.name, horizon, position[i], velocity[i]) for i, m in enumerate(models)]
+
+
+def _record(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
+    """Turn a source's positions, shape (runs, n), into what the sensor records of them, in place."""
+    for run, where in zip(position, horizon.slices(), strict=True):
+        if np.isfinite(run[where]).any():
+            run[where] = recorded_with(setting.time[where], run[where], setting.acting)
 
 
 def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, horizon: Horizon) -> SourceRuns:
@@ -69,14 +80,18 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
     position, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
     health: list[Health] = []
     failures: list[EngineFailure] = []
+    rig, motion = rig_with(setting.rig, setting.acting), setting.motion
     for i, (where, start) in enumerate(zip(horizon.slices(), setting.starts(horizon), strict=True)):
+        stamps = setting.time[where]
+        force = force_of(setting.acting, rig, motion, stamps, parameters.time_step)
         try:
-            run = engine.run(setting.rig, setting.drive, State(*start), setting.time[where], parameters=parameters)
+            run = engine.run(rig, motion, State(*start), stamps, parameters=parameters, force=force)
         except EngineFailure as failure:
             failures.append(failure)
             continue
         position[i, where], velocity[i, where] = run.trajectory.position, run.trajectory.velocity
         health.append(run.health)
+    _record(setting, horizon, position)
     return SourceRuns(engine.name, horizon, position, velocity, tuple(health), tuple(failures))
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from analytic.effects import motion_with
 from analytic.kernel import Grid, integrate
-from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL, coefficients
+from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
 from analytic.motion import BeamMotion, FloatArray
 from harness.compare.setting import Setting
 from harness.metrics import validation_uncertainty
@@ -22,7 +23,7 @@ def displacements(setting: Setting) -> list[FloatArray]:
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
     paths: list[BeamMotion] = [drive, *drive.draw(draws, choices.seed)]
-    tables = np.array([grid.tabulate(path) for path in paths])
+    tables = np.array([grid.tabulate(motion_with(path, setting.time, setting.acting)) for path in paths])
     parameters = _parameters(setting, draws, generator)
     result = []
     for horizon in setting.horizons:
@@ -56,7 +57,7 @@ def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:
     """Kernel parameters of the best rig and of rigs drawn from what the estimation leaves open."""
-    vectors = np.tile(coefficients(CAM, setting.rig), (draws + 1, 1))
+    vectors = np.tile(setting.vector(CAM), (draws + 1, 1))
     if setting.fitted is not None:
         kicks = generator.standard_normal((draws, 3)) @ _root(setting.fitted.covariance).T
         ratio, level, lever = kicks.T

@@ -55,7 +55,7 @@ class Facts:
         engines: one each.
         shorter: the longest of the shorter horizons on which a source follows the motion: its seconds, source and
             RMS error; `None` if there is none.
-        declared: names of effects known to act, which no model here has.
+        declared: names of effects known to act, which every model here has.
     """
 
     recording: str
@@ -166,11 +166,10 @@ def _uncertainty(facts: Facts) -> str:
             f"Its error is within {floor}: E/u_val is {ratio}, where a perfect model has about 1, so runs of this "
             "length hold no evidence against it; a finer angle sensor, or shorter windows, would tell more."
         )
-    verb = "is" if len(facts.declared) == 1 else "are"
-    known = f" (the declared {_list(facts.declared)} {verb} in none of them)" if facts.declared else ""
+    known = f" beyond the declared {_list(facts.declared)}" if facts.declared else ""
     return (
-        f"Stamp by stamp its error is {ratio} times {floor}: the models lack physics{known}; `harness diagnose "
-        f"{facts.case}` looks for it."
+        f"Stamp by stamp its error is {ratio} times {floor}: the models lack physics{known}; what the error depends "
+        "on stands under Residuals."
     )
 
 

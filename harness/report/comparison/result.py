@@ -120,7 +120,7 @@ def _caveats(subject: Subject) -> list[str]:
         )
     if setting.case.declared:
         names = ", ".join(one.name.replace("_", " ") for one in setting.case.declared)
-        said.append(f"Declared to act, but in none of these models and engines: {names}.")
+        said.append(f"Declared to act, and so in every model and engine: {names}.")
     coefficient, speed = setting.rig.friction_coefficient, 1e3 * setting.rig.transition_velocity
     said.append(
         f"The friction models run with the paper's f_b = {brief(coefficient)} and v_t = {brief(speed)} mm/s, "
