@@ -1,0 +1,215 @@
+"""What identification works on: recordings with their drives, the rig, what is declared, the noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.effects import Acting, motion_with, parameters_with
+from analytic.kernel import Grid
+from analytic.models import CAM, ORIGIN, Model
+from analytic.motion import BeamMotion, FloatArray
+from analytic.rig import Rig
+from harness.drive import Drive
+from harness.identify.innovations import innovations, penalty
+from harness.identify.shape import Shape
+from harness.prescribed import nodes
+
+_LONGEST_STEP = 1e-2  # [s]: leaves 2e-6 m in 10 s even where the ball stops and turns, a hundredth of any sensor
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """A beam motion that is `delay` [s] late; before it began it stands."""
+
+    base: BeamMotion
+    delay: float
+    begin: float
+    end: float
+
+    def _then(self, time: FloatArray) -> FloatArray:
+        return np.clip(time - self.delay, self.begin, self.end)
+
+    def angle(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return self.base.angle(self._then(time))
+
+    def rate(self, time: FloatArray) -> FloatArray:
+        """α̇ [rad/s] at `time` [s], same shape."""
+        return self.base.rate(self._then(time))
+
+    def acceleration(self, time: FloatArray) -> FloatArray:
+        """α̈ [rad/s²] at `time` [s], same shape."""
+        return self.base.acceleration(self._then(time))
+
+
+@dataclass(frozen=True)
+class Record:
+    """One recording: stamps, shape (n,) [s]; readings of the position, NaN where there is none that counts [m]."""
+
+    name: str
+    time: FloatArray
+    reading: FloatArray
+    drive: Drive
+
+    @cached_property
+    def grid(self) -> Grid:
+        """Integration steps between the stamps."""
+        return Grid.over(self.time, _LONGEST_STEP)
+
+    @cached_property
+    def table(self) -> FloatArray:
+        """The beam's motion as measured, on the grid."""
+        return self.grid.tabulate(self.drive)
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """Times of the table's rows [s]."""
+        return nodes(self.grid)
+
+    def table_with(self, effects: Sequence[Acting]) -> FloatArray:
+        """The beam's motion on the grid when `effects` act on the angle, or delay the position against it."""
+        delays = [one.values["delay"] for one in effects if one.effect.name == "channel_delay"]
+        delay = sum(delays)
+        if delay == 0.0 and not any(one.effect.turn is not None for one in effects):
+            return self.table
+        motion = motion_with(self.drive, self.time, effects)
+        if delay != 0.0:
+            motion = Shifted(motion, delay, float(self.time[0]), float(self.time[-1]))
+        return self.grid.tabulate(motion)
+
+    @cached_property
+    def judged(self) -> NDArray[np.bool_]:
+        """Readings that are predicted: all but the first, which starts the filter."""
+        use = np.isfinite(self.reading)
+        use[np.argmax(use)] = False
+        return use
+
+    @property
+    def origin(self) -> float:
+        """Position from which the rolled angle is counted: the first one known [m]."""
+        return float(self.reading[np.isfinite(self.reading)][0])
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """A recording through the filter.
+
+    Attributes:
+        miss, spread: innovation [m] and its variance [m²], shape (n,).
+        state: filtered s [m], ṡ [m/s], what effects remember, and the lagging reading [m], shape (n, 4).
+        doubt: variance of the position that the sensor sees, shape (n,) [m²].
+        gain, lag: of the sensor [1], [s].
+    """
+
+    miss: FloatArray
+    spread: FloatArray
+    state: FloatArray
+    doubt: FloatArray
+    gain: float
+    lag: float
+
+    @property
+    def recorded(self) -> FloatArray:
+        """What the sensor would record of the filtered state, shape (n,) [m]."""
+        return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Recordings of one rig.
+
+    Attributes:
+        records: at least one, each with positions.
+        rig: complete.
+        declared: effects known to act.
+        noise: variance of a position reading, rounding included [m²].
+        model: the baseline to which effects are added.
+    """
+
+    records: tuple[Record, ...]
+    rig: Rig
+    declared: tuple[Acting, ...]
+    noise: float
+    model: Model = CAM
+
+    @property
+    def readings(self) -> int:
+        """Number of readings that count."""
+        return sum(int(np.isfinite(record.reading).sum()) for record in self.records)
+
+    def filtered(
+        self,
+        record: Record,
+        effects: Sequence[Acting],
+        phase: float,
+        density: float,
+        shape: Shape | None = None,
+        reading: FloatArray | None = None,
+    ) -> Filtered:
+        """One recording through the filter.
+
+        Args:
+            effects: beside those declared.
+            phase: φ₀ of the recording, for a ball that is out of balance [rad].
+            density: of the process noise [m²/s³].
+            shape: a curve of unknown law beside them.
+            reading: other readings than the record's, shape (n,), NaN where there is none [m].
+        """
+        every = tuple(_phased(one, phase) for one in (*self.declared, *effects))
+        sensor = {one.effect.name: one.values for one in every if one.effect.sense is not None}
+        gain = sensor.get("position_gain", {}).get("gain", 1.0)
+        lag = sensor.get("position_lag", {}).get("time_constant", 0.0)
+        p = parameters_with(self.model, self.rig, every)
+        p[ORIGIN] = record.origin / gain
+        table = record.table_with(every)
+        if shape is not None:
+            shape.write(p)
+            table = shape.load(table, record.times, self.rig.gravity)
+        n = len(record.time)
+        out = Filtered(np.empty(n), np.empty(n), np.empty((n, 4)), np.empty(n), gain, lag)
+        innovations(
+            record.time,
+            record.reading if reading is None else reading,
+            record.grid.steps,
+            record.grid.marks,
+            table,
+            p,
+            gain,
+            lag,
+            density,
+            self.noise,
+            out.miss,
+            out.spread,
+            out.state,
+            out.doubt,
+        )
+        return out
+
+    def predict(
+        self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Innovations over all recordings and their variances, both of shape (readings,) [m], [m²]."""
+        misses, spreads = [], []
+        for record, phase in zip(self.records, phases, strict=True):
+            found = self.filtered(record, effects, float(phase), density, shape)
+            misses.append(found.miss[record.judged])
+            spreads.append(found.spread[record.judged])
+        return np.concatenate(misses), np.concatenate(spreads)
+
+    def deviance(
+        self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
+    ) -> float:
+        """−2 log likelihood of the innovations, but for a constant."""
+        miss, spread = self.predict(effects, phases, density, shape)
+        return float(np.sum(np.log(spread) + penalty(miss / np.sqrt(spread))))
+
+
+def _phased(one: Acting, phase: float) -> Acting:
+    if one.effect.name != "ball_imbalance":
+        return one
+    return Acting(one.effect, {**one.values, "phase": phase})

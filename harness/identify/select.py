@@ -1,0 +1,146 @@
+"""Which effects act: found one after the other, tested together, dropped when they no longer pay.
+
+Every step keeps what lowers the deviance by more than its price. The price of a number is log n (BIC) and that of a
+choice among many the `threshold`, which is calibrated on effect-free data and not on any case.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+
+from analytic.effects import CATALOGUE
+from harness.identify.fit import Fit, fit
+from harness.identify.hypothesis import Hypothesis
+from harness.identify.problem import Problem
+
+THRESHOLD = 6.0  # of BIC, beyond which an effect is kept
+MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
+
+# Effects whose laws look alike over much of what a rig does: a kept one is held against its relatives once more when
+# others have joined it.
+FAMILIES = (
+    ("rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis", "viscous_damping",
+     "quadratic_drag"),
+    ("rolling_radius", "angle_gain", "position_gain"),
+    ("level_error", "track_curvature", "beam_compliance", "track_bump"),
+    ("channel_delay", "position_lag", "linkage_backlash"),
+)  # fmt: skip
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the ledger: what was tried on top of what, what it brought, and what became of it."""
+
+    effect: str
+    beside: tuple[str, ...]
+    gain: float
+    kept: bool
+    because: str
+    fit: Fit
+
+
+def candidates(problem: Problem) -> tuple[str, ...]:
+    """What can be tried: the catalogue, but for the pivot where the baseline has it."""
+    return tuple(name for name in CATALOGUE if not (name == "eccentric_pivot" and problem.model.eccentric))
+
+
+def select(
+    problem: Problem, progress: Progress = lambda _: None, *, threshold: float = THRESHOLD
+) -> tuple[Fit, list[Entry]]:
+    """Find the effects that the recordings call for.
+
+    Returns:
+        The best fit, and every attempt in order.
+    """
+    best = fit(problem, Hypothesis(()))
+    ledger: list[Entry] = []
+    while len(best.hypothesis.names) < MOST:
+        base = best
+        tried = _extend(problem, base, progress)
+        winner = min(tried, key=lambda one: one.bic)
+        gain = base.bic - winner.bic
+        for one in sorted(tried, key=lambda one: one.bic):
+            kept = one is winner and gain > threshold
+            ledger.append(_entry(one, base, kept, winner))
+        if gain <= threshold:
+            break
+        best = _settle(problem, winner, ledger, progress, threshold)
+    return best, ledger
+
+
+def _extend(problem: Problem, base: Fit, progress: Progress) -> list[Fit]:
+    names = [name for name in candidates(problem) if name not in base.hypothesis.names]
+
+    def attempt(name: str) -> Fit:
+        progress(" + ".join((*base.hypothesis.names, name)))
+        return _fit(problem, (*base.hypothesis.names, name), base)
+
+    return _side_by_side(attempt, names)
+
+
+def _side_by_side(attempt: Callable[[str], Fit], names: Iterable[str]) -> list[Fit]:
+    """All attempts, in order; threads do, because the compiled filter runs without the interpreter's lock."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(attempt, names))
+
+
+def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
+    """Hold each kept effect against its relatives, and drop what no longer pays, until nothing changes."""
+    changed = len(best.hypothesis.names) > 1
+    while changed:
+        changed = False
+        for name in best.hypothesis.names:
+            rest = tuple(other for other in best.hypothesis.names if other != name)
+            relatives = [o for o in _relatives(name) if o not in rest and o in candidates(problem)]
+            progress(f"{name} again")
+            without = _fit(problem, rest, best)
+            if without.bic < best.bic + threshold:
+                ledger.append(
+                    Entry(name, rest, without.bic - best.bic, False, "no longer pays beside the others", best)
+                )
+                best, changed = without, True
+                break
+            swapped = _side_by_side(partial(_instead, problem, rest, best), relatives)
+            better = min(swapped, key=lambda one: one.bic, default=best)
+            if better.bic < best.bic:
+                other = better.hypothesis.names[-1]
+                because = f"explains more than {name} did, beside {', '.join(rest)}"
+                ledger.append(Entry(other, rest, best.bic - better.bic, True, because, better))
+                best, changed = better, True
+                break
+    return best
+
+
+def _fit(problem: Problem, names: Iterable[str], base: Fit) -> Fit:
+    names = tuple(names)
+    known = {key: value for key, value in base.values().items() if key[0] in names}
+    return fit(problem, Hypothesis(names), density=base.density, known=known)
+
+
+def _instead(problem: Problem, rest: tuple[str, ...], base: Fit, other: str) -> Fit:
+    return _fit(problem, (*rest, other), base)
+
+
+def _relatives(name: str) -> list[str]:
+    return [other for family in FAMILIES if name in family for other in family if other != name]
+
+
+def _entry(one: Fit, base: Fit, kept: bool, winner: Fit) -> Entry:
+    name = one.hypothesis.names[-1]
+    gain = base.bic - one.bic
+    if kept:
+        because = f"predicts better by {gain:.0f} (BIC)"
+    elif gain <= 0.0 or math.isnan(gain):
+        because = "does not pay for its parameters"
+    elif one is winner:
+        because = f"gains {gain:.1f} (BIC), within what chance gives"
+    else:
+        because = f"gains {gain:.0f} (BIC), {one.bic - winner.bic:.0f} less than {winner.hypothesis.names[-1]}"
+    return Entry(name, base.hypothesis.names, gain, kept, because, one)
