@@ -178,3 +178,24 @@ def run(case: Path | None, **options: Any) -> None:
     from harness.commands.run import run_case
 
     sys.exit(run_case(case or BUNDLED, **options))
+
+
+@main.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
+def diagnose(case: Path, **options: Any) -> None:
+    """Find what the model lacks: name the effect, its size and interval, and the error before and after.
+
+    CASE is a folder with rig.toml and CSV recordings, or a CSV file. Writes diagnosis.json and a prediction of every
+    recording that rig.toml lists to predict.
+
+    \b
+    Example:
+      harness diagnose my_rig/
+    """
+    from harness.commands.diagnose import diagnose_case
+
+    sys.exit(diagnose_case(case, **options))

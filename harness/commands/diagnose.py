@@ -1,0 +1,125 @@
+"""`harness diagnose`: what the model lacks, into diagnosis.json and a report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pandas as pd
+
+from harness.identify.forecast import forecast
+from harness.identify.prepare import problem_of, record_of
+from harness.identify.verdict import Diagnosis, diagnose, sentence
+from harness.identify.verify import Comparison
+from harness.outputs import all_or_nothing, to_json
+from harness.progress import told_on_stderr
+from harness.recording import Case, load_case
+
+
+def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False) -> int:
+    """Diagnose a case, write its files, say the verdict; return the exit code."""
+    begin = time.monotonic()
+    case = load_case(path)
+    progress = told_on_stderr()
+    name = case.path.resolve().parent.name if case.path.name == "rig.toml" else case.path.resolve().stem
+    folder = out or Path("reports") / name
+    with all_or_nothing(folder) as scratch:
+        progress("drives and rig")
+        problem, _ = problem_of(case)
+        found = diagnose(problem, progress)
+        record = as_record(found, case, time.monotonic() - begin)
+        (scratch / "diagnosis.json").write_text(to_json(record) + "\n", encoding="utf-8")
+        for each in case.predict:
+            predictions(found, case, each).to_csv(
+                scratch / f"prediction_{Path(each).stem}.csv", index=False, float_format="%.6f"
+            )
+    progress("")
+    click.echo(to_json(record) if as_json else f"{sentence(found)}\ndiagnosis: {folder / 'diagnosis.json'}")
+    return 0
+
+
+def predictions(found: Diagnosis, case: Case, name: str) -> pd.DataFrame:
+    """`time_s, ball_position_m` of a recording from its angle and the positions it knows, with a 95 % band."""
+    record, _ = record_of(case, case.recordings[name], found.problem.rig)
+    made = forecast(found.problem, found.found, record, record.reading)
+    reach = 1.96 * made.deviation
+    return pd.DataFrame(
+        {
+            "time_s": made.time,
+            "ball_position_m": made.position,
+            "low_m": made.position - reach,
+            "high_m": made.position + reach,
+        }
+    )
+
+
+def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
+    """diagnosis.json."""
+    shape = found.found.best.shape
+    return {
+        "schema": 1,
+        "verdict": str(found.verdict),
+        "sentence": sentence(found),
+        "effects": [
+            {
+                "name": one.name,
+                "parameters": {
+                    key: {"value": value, "low": low, "high": high, "unit": unit}
+                    for key, (value, low, high, unit) in one.values.items()
+                },
+                "indistinguishable_from": list(one.indistinguishable_from),
+            }
+            for one in found.findings
+        ],
+        "unlisted": None
+        if shape is None
+        else {
+            "depends_on": [str(shape.depends)],
+            "shape": {
+                "at": shape.places.tolist(),
+                "values": shape.nodes.tolist(),
+                "unit": shape.unit,
+                "friction": shape.friction,
+                "low": shape.low,
+                "step": shape.step,
+            },
+        },
+        "errors": {"identify": _errors(found.identify), "heldout": _errors(found.heldout)},
+        "ledger": [
+            {
+                "effect": entry.effect,
+                "beside": list(entry.beside),
+                "gain_bic": entry.gain,
+                "kept": entry.kept,
+                "because": entry.because,
+            }
+            for entry in found.ledger
+        ],
+        "process_noise_m2_s3": found.found.density,
+        "rig": asdict(found.problem.rig),
+        "declared": [{"name": one.effect.name, **one.values} for one in found.problem.declared],
+        "inputs": {
+            "hashes": {name: case.recordings[name].sha256 for name in case.identify}
+            | ({"rig.toml": case.sha256} if case.sha256 else {}),
+            "versions": {name: version(name) for name in ("ball-beam-harness", "numpy", "scipy", "numba")},
+            "seed": 0,
+        },
+        "wall_time_s": round(wall_time, 2),
+    }
+
+
+def _errors(one: Comparison) -> Mapping[str, Any]:
+    return {
+        when: {
+            "rms_m": dict(each.rms),
+            "innovation_correlation": float(np.round(each.whiteness, 4)),
+            "innovation_over_noise": float(np.round(each.ratio, 4)),
+        }
+        for when, each in (("before", one.before), ("after", one.after))
+    }

@@ -1,0 +1,82 @@
+"""Positions from the angle alone: the filter runs on what is known and goes on where nothing is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.identify.fit import Fit
+from harness.identify.hypothesis import IMBALANCE
+from harness.identify.innovations import penalty
+from harness.identify.problem import Filtered, Problem, Record
+
+_DRAWS = 48
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What is predicted of one recording.
+
+    Attributes:
+        time: shape (n,) [s].
+        position: what the sensor would record, shape (n,) [m]; where readings are known they are in it.
+        deviation: its standard deviation: angle, start, and what the fit leaves open; shape (n,) [m].
+        state: s [m] and ṡ [m/s], shape (n, 2).
+    """
+
+    time: FloatArray
+    position: FloatArray
+    deviation: FloatArray
+    state: FloatArray
+
+
+def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> Filtered:
+    """One recording under a fitted hypothesis, from other readings than its own; φ₀ is found from these."""
+    return problem.filtered(
+        record, found.best.effects, _phase(problem, found, record, reading), found.density, found.best.shape, reading
+    )
+
+
+def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, *, seed: int = 0) -> Forecast:
+    """Predict one recording from the readings that are known, shape (n,), NaN where none is [m].
+
+    The band joins the filter's own, which grows with the angle's error, and the spread of runs with values drawn from
+    what the fit leaves open.
+    """
+    best = filtered(problem, found, record, reading)
+    variance = best.doubt * best.gain**2
+    count = len(found.numbers)
+    if count:
+        scale = found.hypothesis.scale(problem)
+        root = np.linalg.cholesky(found.covariance / np.outer(scale, scale) + 1e-18 * np.eye(count))
+        low, high = found.hypothesis.bounds(problem)
+        generator = np.random.default_rng(seed)
+        square = np.zeros(len(record.time))
+        phase = _phase(problem, found, record, reading)
+        for _ in range(_DRAWS):
+            numbers = np.clip(found.numbers + root @ generator.standard_normal(count), low, high)
+            at = found.hypothesis.read(numbers, problem)
+            drawn = problem.filtered(record, at.effects, phase, found.density, at.shape, reading)
+            square += (drawn.recorded - best.recorded) ** 2
+        variance = variance + square / _DRAWS
+    return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+
+
+def _phase(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
+    """φ₀ of a recording, at which its readings are likeliest [rad]."""
+    if IMBALANCE not in found.hypothesis.names:
+        return 0.0
+    names = [one.name for one in problem.records]
+    if record.name in names:
+        return float(found.best.phases[names.index(record.name)])
+    use = np.isfinite(reading)
+    use[np.argmax(use)] = False
+
+    def deviance(phase: float) -> float:
+        out = problem.filtered(record, found.best.effects, phase, found.density, found.best.shape, reading)
+        return float(np.sum(np.log(out.spread[use]) + penalty(out.miss[use] / np.sqrt(out.spread[use]))))
+
+    return min(np.linspace(1e-6, 2.0 * math.pi, 37), key=deviance)
