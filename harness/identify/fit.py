@@ -71,19 +71,21 @@ def fit(
     *,
     density: float = 1e-5,
     known: Mapping[tuple[str, str], float] | None = None,
+    quick: bool = False,
 ) -> Fit:
     """Fit one hypothesis; of several starts the likeliest end counts.
 
     Args:
         density: where the search for the process noise begins [m²/s³].
         known: values to begin from.
+        quick: from the most promising start only and in one round: enough to see whether anything is to be gained.
     """
     best: Fit | None = None
     starts = list(hypothesis.starts(problem, known or {}))
-    if len(starts) > 3:
-        starts = _promising(problem, hypothesis, starts, density)
+    if len(starts) > (1 if quick else 3):
+        starts = _promising(problem, hypothesis, starts, density)[: 1 if quick else 3]
     for start in starts:
-        one = _fit_from(problem, hypothesis, start, density)
+        one = _fit_from(problem, hypothesis, start, density, rounds=1 if quick else _ROUNDS)
         if best is None or one.deviance < best.deviance:
             best = one
     assert best is not None
@@ -99,13 +101,13 @@ def _promising(problem: Problem, hypothesis: Hypothesis, starts: list[FloatArray
     return [numbers for *_, numbers in sorted(tried)[:3]]
 
 
-def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float) -> Fit:
+def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float, rounds: int) -> Fit:
     jacobian = np.zeros((problem.readings, len(numbers)))
     before = math.inf
     deviance = math.inf
-    for turn in range(_ROUNDS):
+    for turn in range(rounds):
         if len(numbers):
-            numbers, jacobian = _least(problem, hypothesis, numbers, density, evaluations=12)
+            numbers, jacobian = _least(problem, hypothesis, numbers, density, evaluations=12 if rounds > 1 else 5)
         width = 12.0 if turn == 0 else 3.0
         middle = math.log(density)
         found = minimize_scalar(

@@ -19,6 +19,7 @@ from harness.identify.innovations import innovations, penalty
 from harness.identify.shape import Shape
 from harness.prescribed import nodes
 
+_FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the angle's error is correlated, shorter than the ball's moves
 _LONGEST_STEP = 1e-2  # [s]: leaves 2e-6 m in 10 s even where the ball stops and turns, a hundredth of any sensor
 
 
@@ -141,6 +142,22 @@ class Problem:
     def readings(self) -> int:
         """Number of readings that count."""
         return sum(int(np.isfinite(record.reading).sum()) for record in self.records)
+
+    @cached_property
+    def angle_floor(self) -> float:
+        """Root density of the acceleration that the angle's own error gives [m/s² per √Hz], from the drive's draws.
+
+        It is what the process noise of a model that lacks nothing comes to.
+        """
+        densities = []
+        for record in self.records:
+            step = float(np.median(np.diff(record.time)))
+            span = max(int(_FLOOR_SPAN / step), 1)
+            for path in record.drive.draw(_FLOOR_DRAWS, seed=0):
+                error = path.states[:, 0] - record.drive.states[:, 0]
+                turned = np.cumsum(error) * step
+                densities.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
+        return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(densities)))
 
     def filtered(
         self,

@@ -19,6 +19,7 @@ from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
 
 THRESHOLD = 6.0  # of BIC, beyond which an effect is kept
+_NEAR = 3.0  # times the angle's floor
 MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
 
 # Effects whose laws look alike over much of what a rig does: a kept one is held against its relatives once more when
@@ -63,7 +64,7 @@ def select(
     ledger: list[Entry] = []
     while len(best.hypothesis.names) < MOST:
         base = best
-        tried = _extend(problem, base, progress)
+        tried = _extend(problem, base, progress, quick=explained(problem, base))
         winner = min(tried, key=lambda one: one.bic)
         gain = base.bic - winner.bic
         for one in sorted(tried, key=lambda one: one.bic):
@@ -75,12 +76,20 @@ def select(
     return best, ledger
 
 
-def _extend(problem: Problem, base: Fit, progress: Progress) -> list[Fit]:
+def explained(problem: Problem, found: Fit) -> bool:
+    """Whether what is left is what the angle's own error leaves, or little more."""
+    return found.root_density < _NEAR * problem.angle_floor
+
+
+def _extend(problem: Problem, base: Fit, progress: Progress, *, quick: bool) -> list[Fit]:
+    """Every effect that is not there yet, beside those of `base`; a quick look that finds something is made good."""
     names = [name for name in candidates(problem) if name not in base.hypothesis.names]
 
     def attempt(name: str) -> Fit:
         progress(" + ".join((*base.hypothesis.names, name)))
-        return _fit(problem, (*base.hypothesis.names, name), base)
+        names = (*base.hypothesis.names, name)
+        found = _fit(problem, names, base, quick=quick)
+        return _fit(problem, names, base) if quick and found.bic < base.bic else found
 
     return _side_by_side(attempt, names)
 
@@ -118,10 +127,10 @@ def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress
     return best
 
 
-def _fit(problem: Problem, names: Iterable[str], base: Fit) -> Fit:
+def _fit(problem: Problem, names: Iterable[str], base: Fit, *, quick: bool = False) -> Fit:
     names = tuple(names)
     known = {key: value for key, value in base.values().items() if key[0] in names}
-    return fit(problem, Hypothesis(names), density=base.density, known=known)
+    return fit(problem, Hypothesis(names), density=base.density, known=known, quick=quick)
 
 
 def _instead(problem: Problem, rest: tuple[str, ...], base: Fit, other: str) -> Fit:

@@ -11,7 +11,7 @@ from harness.identify.fit import Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
 from harness.identify.remainder import remainder
-from harness.identify.select import THRESHOLD, Entry, select
+from harness.identify.select import THRESHOLD, Entry, explained, select
 from harness.identify.verify import Comparison, held_out, on_identify
 
 # Standard errors from the curvature of the likelihood are this much too small: the angle's error is not white as the
@@ -71,8 +71,10 @@ def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None)
     """Find, trace, verify."""
     base = fit(problem, Hypothesis(()))
     listed, ledger = select(problem, progress)
-    found, more = remainder(problem, listed, progress)
-    ledger = [*ledger, *more]
+    found = listed
+    if not explained(problem, listed):
+        found, more = remainder(problem, listed, progress)
+        ledger = [*ledger, *more]
     unseen = _unseen(ledger)
     if found.hypothesis.shape is not None:
         verdict = Verdict.UNLISTED
