@@ -199,3 +199,25 @@ def diagnose(case: Path, **options: Any) -> None:
     from harness.commands.diagnose import diagnose_case
 
     sys.exit(diagnose_case(case, **options))
+
+
+@main.command()
+@click.argument("diagnosis", type=click.Path(path_type=Path))
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
+def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
+    """Predict ball positions from the angle alone, with the model that a diagnosis found.
+
+    DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
+    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and a 95 % band.
+
+    \b
+    Example:
+      harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
+    """
+    from harness.commands.predict import predict_recording
+
+    sys.exit(predict_recording(diagnosis, recording, **options))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from harness.identify.forecast import forecast
+from harness.identify.keep import model_record
 from harness.identify.prepare import problem_of, record_of
 from harness.identify.verdict import Diagnosis, diagnose, sentence
 from harness.identify.verify import Comparison
@@ -47,16 +47,7 @@ def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False)
 def predictions(found: Diagnosis, case: Case, name: str) -> pd.DataFrame:
     """`time_s, ball_position_m` of a recording from its angle and the positions it knows, with a 95 % band."""
     record, _ = record_of(case, case.recordings[name], found.problem.rig)
-    made = forecast(found.problem, found.found, record, record.reading)
-    reach = 1.96 * made.deviation
-    return pd.DataFrame(
-        {
-            "time_s": made.time,
-            "ball_position_m": made.position,
-            "low_m": made.position - reach,
-            "high_m": made.position + reach,
-        }
-    )
+    return forecast(found.problem, found.found, record, record.reading).table()
 
 
 def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
@@ -101,9 +92,7 @@ def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
             }
             for entry in found.ledger
         ],
-        "process_noise_m2_s3": found.found.density,
-        "rig": asdict(found.problem.rig),
-        "declared": [{"name": one.effect.name, **one.values} for one in found.problem.declared],
+        "model": model_record(found.problem, found.found, case.sensors),
         "inputs": {
             "hashes": {name: case.recordings[name].sha256 for name in case.identify}
             | ({"rig.toml": case.sha256} if case.sha256 else {}),

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from analytic.motion import FloatArray
 from harness.identify.fit import Fit
@@ -31,6 +32,12 @@ class Forecast:
     position: FloatArray
     deviation: FloatArray
     state: FloatArray
+
+    def table(self) -> pd.DataFrame:
+        """`time_s, ball_position_m`, and the 95 % band `low_m, high_m`."""
+        reach = 1.96 * self.deviation
+        low, high = self.position - reach, self.position + reach
+        return pd.DataFrame({"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high})
 
 
 def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> Filtered:

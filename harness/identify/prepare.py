@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.rig import Rig
+from harness.ball_state import estimate_ball
 from harness.compare import Choices, Setting
 from harness.compare import prepare as settle
-from harness.compare.setting import ball_of, drive_of
+from harness.drive import make_drive
 from harness.errors import InputError
 from harness.identify.problem import Problem, Record
-from harness.recording import Case, Recording
+from harness.recording import Case, Recording, Sensors, inferred_resolution
 
+_LEAST = 3  # positions to start from
 _FEWEST = 20  # readings that a recording must hold to say anything
 
 
@@ -36,9 +38,27 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> tuple[Problem,
 
 
 def record_of(case: Case, recording: Recording, rig: Rig) -> tuple[Record, float]:
-    """One recording with its drive, spikes set aside, and the standard deviation of its readings [m]."""
-    drive = drive_of(case, recording)
-    ball = ball_of(case, recording, drive, rig)
-    rounding = (case.sensors.position_resolution or 0.0) / np.sqrt(12.0)
+    """One recording of a case with its drive, spikes set aside, and the standard deviation of its readings [m]."""
+    return record_from(recording, case.sensors, rig)
+
+
+def record_from(recording: Recording, sensors: Sensors, rig: Rig) -> tuple[Record, float]:
+    """As `record_of`, for a recording that comes with its sensors instead of a case."""
+    drive = make_drive(
+        recording.time,
+        recording.angle,
+        resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
+        noise=sensors.angle_noise,
+    )
+    resolution = sensors.position_resolution or inferred_resolution(recording.position)
+    if int(recording.known.sum()) < _LEAST:
+        raise InputError(
+            f"{recording.path}: {_LEAST} known positions are needed to start from, {int(recording.known.sum())} are "
+            "known; leave the positions of the first second or so in it"
+        )
+    ball = estimate_ball(
+        recording.time, recording.position, drive, rig, noise=sensors.position_noise, resolution=resolution
+    )
     reading = np.where(ball.trusted, recording.position, np.nan)
-    return Record(recording.name, np.array(recording.time), reading, drive), float(np.hypot(ball.noise, rounding))
+    noise = float(np.hypot(ball.noise, (resolution or 0.0) / np.sqrt(12.0)))
+    return Record(recording.name, np.array(recording.time), reading, drive), noise

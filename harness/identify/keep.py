@@ -1,0 +1,70 @@
+"""A found model as JSON and back, so that another recording can be predicted from diagnosis.json alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from analytic.effects import acting
+from analytic.rig import Rig
+from harness.errors import InputError
+from harness.identify.fit import Fit
+from harness.identify.hypothesis import Hypothesis
+from harness.identify.problem import Problem, Record
+from harness.identify.shape import Depends, Shape
+from harness.recording import Sensors
+
+
+def model_record(problem: Problem, found: Fit, sensors: Sensors) -> dict[str, Any]:
+    """Everything that a prediction needs."""
+    shape = found.hypothesis.shape
+    return {
+        "rig": asdict(problem.rig),
+        "sensors": asdict(sensors),
+        "declared": [{"name": one.effect.name, "values": dict(one.values)} for one in problem.declared],
+        "effects": list(found.hypothesis.names),
+        "curve": None
+        if shape is None
+        else {"depends": str(shape.depends), "friction": shape.friction, "low": shape.low, "step": shape.step},
+        "numbers": found.numbers.tolist(),
+        "phases": len(problem.records),
+        "covariance": found.covariance.tolist(),
+        "process_noise_m2_s3": found.density,
+        "reading_variance_m2": problem.noise,
+    }
+
+
+def read_model(kept: Mapping[str, Any], record: Record, origin: str) -> tuple[Problem, Fit]:
+    """The problem and fit to predict `record` with.
+
+    Args:
+        kept: as `model_record` wrote it.
+        origin: the file, for messages.
+
+    Raises:
+        InputError: it is not what this version writes.
+    """
+    try:
+        declared = tuple(acting(one["name"], one["values"]) for one in kept["declared"])
+        problem = Problem((record,) * kept["phases"], Rig(**kept["rig"]), declared, kept["reading_variance_m2"])
+        curve = kept["curve"]
+        shape = curve and Shape(Depends(curve["depends"]), curve["friction"], curve["low"], curve["step"], np.zeros(0))
+        hypothesis = Hypothesis(tuple(kept["effects"]), shape)
+        numbers = np.array(kept["numbers"], dtype=float)
+        covariance = np.array(kept["covariance"], dtype=float).reshape(len(numbers), len(numbers))
+        found = Fit(
+            hypothesis,
+            numbers,
+            hypothesis.read(numbers, problem),
+            kept["process_noise_m2_s3"],
+            np.nan,
+            covariance,
+            problem.readings,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error
+    # The kept phases are those of other recordings: this one's is found from its own readings.
+    return replace(problem, records=(replace(record, name=""),) * kept["phases"]), found
