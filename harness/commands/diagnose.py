@@ -81,7 +81,7 @@ def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
                 "step": shape.step,
             },
         },
-        "errors": {"identify": _errors(found.identify), "heldout": _errors(found.heldout)},
+        "errors": {"identify": _errors(found.identify), "heldout": _errors(found.heldout), "engines": found.engines},
         "ledger": [
             {
                 "effect": entry.effect,

@@ -15,7 +15,7 @@ from analytic.rig import Rig
 from harness.compare.segments import Horizon
 from harness.compare.setting import Setting
 from harness.engines.health import Health
-from harness.engines.injection import force_of
+from harness.engines.injection import force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 
@@ -80,7 +80,8 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
     position, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
     health: list[Health] = []
     failures: list[EngineFailure] = []
-    rig, motion = rig_with(setting.rig, setting.acting), setting.motion
+    rig = rig_with(setting.rig, setting.acting)
+    motion = motion_for_engine(setting.acting, setting.drive, setting.time)
     for i, (where, start) in enumerate(zip(horizon.slices(), setting.starts(horizon), strict=True)):
         stamps = setting.time[where]
         force = force_of(setting.acting, rig, motion, stamps, parameters.time_step)

@@ -8,16 +8,20 @@ ball stops within the step it holds it as far as its limit reaches; so a ball at
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from scipy.interpolate import CubicSpline
 
-from analytic.effects import Acting, parameters_with
+from analytic.effects import Acting, motion_with, parameters_with
 from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, DAHL, DAHL_STIFFNESS, RESPONSE, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray
 from analytic.rig import Rig
 from analytic.step import dahl, dahl_limit
+
+_CORNER_STEP, _CORNER_SPAN = 1e-3, 41  # [s], steps
 
 
 def force_of(
@@ -60,6 +64,41 @@ def force_of(
         return float(inertia * push)
 
     return force
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """A beam motion through given angles: a cubic spline with its derivatives."""
+
+    spline: CubicSpline
+
+    def angle(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return np.asarray(self.spline(time))
+
+    def rate(self, time: FloatArray) -> FloatArray:
+        """α̇ [rad/s] at `time` [s], same shape."""
+        return np.asarray(self.spline(time, 1))
+
+    def acceleration(self, time: FloatArray) -> FloatArray:
+        """α̈ [rad/s²] at `time` [s], same shape."""
+        return np.asarray(self.spline(time, 2))
+
+
+def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: FloatArray) -> BeamMotion:
+    """The beam's motion with `effects`, its corners rounded where a gap closes.
+
+    A rate that jumps by Δα̇ throws a ball at s off the rails unless it takes longer than s Δα̇/g, some 10 ms; real
+    linkages give way by as much. The angle is averaged over 40 ms, which leaves the ball's run along the beam as it is.
+    """
+    turned = motion_with(motion, stamps, effects)
+    if not any(one.effect.name == "linkage_backlash" for one in effects):
+        return turned
+    time = np.arange(stamps[0], stamps[-1] + _CORNER_STEP, _CORNER_STEP)
+    angle = turned.angle(np.minimum(time, stamps[-1]))
+    window = np.hanning(_CORNER_SPAN + 2)[1:-1]
+    padded = np.pad(angle, _CORNER_SPAN // 2, mode="edge")
+    return Rounded(CubicSpline(time, np.convolve(padded, window / window.sum(), mode="valid")))
 
 
 @njit(cache=True)

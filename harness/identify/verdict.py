@@ -6,9 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from harness.identify.fit import Fit, fit
 from harness.identify.hypothesis import Hypothesis
+from harness.identify.in_engines import engine_errors
 from harness.identify.problem import Problem
 from harness.identify.remainder import remainder
 from harness.identify.select import THRESHOLD, Entry, explained, select
@@ -53,6 +55,7 @@ class Diagnosis:
         base, found: fits without and with what was found.
         ledger: every attempt.
         identify, heldout: errors before and after.
+        engines: the same in the engines' scenes, as in diagnosis.json.
         unseen: effects that would go unseen here at their typical size.
     """
 
@@ -64,6 +67,7 @@ class Diagnosis:
     ledger: tuple[Entry, ...]
     identify: Comparison
     heldout: Comparison
+    engines: Mapping[str, Mapping[str, Any]]
     unseen: tuple[str, ...]
 
 
@@ -94,6 +98,7 @@ def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None)
         ledger=tuple(ledger),
         identify=on_identify(problem, base, found, progress),
         heldout=held_out(problem, base, found, progress),
+        engines=engine_errors(problem, base, found, progress),
         unseen=unseen,
     )
 
