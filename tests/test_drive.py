@@ -217,6 +217,16 @@ def test_misdeclared_noise_shows(share):
     assert make_drive(TIME, reading, noise=share * 2e-3).residual_ratio < 0.75
 
 
+@pytest.mark.parametrize("rate", [0.0, 0.1])
+def test_exact_reading_without_noise(rate):
+    """Read a continuous angle that shows no noise at all, resting or on a ramp, as it stands."""
+    angle = 0.01 + rate * TIME
+    drive = make_drive(TIME, angle)
+    # The motion is one of the prior's own, so that only rounding of doubles is left.
+    assert np.abs(drive.states[:, 0] - angle).max() < 1e-12
+    assert np.isfinite(drive.std).all()
+
+
 def test_record_without_angles_is_refused():
     """Refuse a record of fewer than three angles."""
     with pytest.raises(ValueError, match="fewer than three"):

@@ -36,6 +36,8 @@ _SETTLED_STRIDE = 0.05  # of the log density
 _HEAD_START = 4  # passes for the sites before stiffness and noise are learnt from them
 _OVERRELAXATION = 2.0  # of the noise: the plain M-step creeps where the noise is small
 _LEAST_NOISE = 1e-3  # of a count, or of a continuous reading's first guess
+# Noise of a continuous reading that shows none [unit]: below it the covariances at the lowest stiffness lose their digits.
+_EXACT = 1e-8
 
 
 @njit(cache=True)
@@ -100,7 +102,7 @@ def _settle(
     surprise, freedom = np.empty(n - 1), np.empty(n - 1)
     many, long = _rest(time, count, half)
     learn_density = len(log_density) > 0
-    least_noise = _LEAST_NOISE * (2.0 * half if half > 0.0 else noise)
+    least_noise = _LEAST_NOISE * 2.0 * half if half > 0.0 else max(_LEAST_NOISE * noise, _EXACT)
     evidence = 0.0
     for turn in range(passes):
         sharp = half > 0.0 and not learn_noise and noise <= 2.0 * half * EDGE_NOISE
@@ -200,7 +202,7 @@ def smooth_rounded(
         return found
 
     if noise is None:
-        guess = max(0.2 * step, rough_noise(count[known]), 1e-9)
+        guess = max(0.2 * step, rough_noise(count[known]), _EXACT)
         sites = begin(guess)
         _, noise = settle(guess, True, _PASSES_FOR_NOISE, sites)
         # Learning creeps towards zero; what it has not brought above this by now is no dither.
