@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 import time
@@ -143,7 +144,9 @@ def _as_text(result: Study, checks: Sequence[Checked], limits: Tolerances | None
         f"  {one.severity}: {one.where}: {one.text}" for one in setting.case.findings if one.severity == "warning"
     ]
     for one in setting.estimates:
-        lines.append(f"  {one.name} = {one.value:.5g} ± {one.std:.2g} {one.unit} ({one.how})")
+        spread = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # what is assumed has none
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        lines.append(f"  {one.name} = {one.value:.5g}{spread}{unit} ({one.how})")
     lines += ["", *answer(result), "", _table([result.score_of(name, result.headline) for name in result.sources])]
     if limits is not None:
         lines += ["", f"tolerances: {limits.path} ({limits.chosen})", render_table(checks)]
