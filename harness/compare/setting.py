@@ -123,7 +123,7 @@ def ball_of(case: Case, recording: Recording, drive: Drive, rig: Rig) -> BallEst
     if int(recording.known.sum()) < _FEWEST:
         raise InputError(
             f"{recording.path}: fewer than three ball positions are known, so there is nothing to start a model from; "
-            "choose another recording with --recording"
+            "check that its column is there and named ball_position_m, or choose another recording with --recording"
         )
     return estimate_ball(
         recording.time,
