@@ -207,7 +207,14 @@ def _friction(combinations: Combinations, judge: Judge) -> Claim:
 
 def _weighed(gain: float, doubt: float) -> str:
     """The difference of two mean square errors beside what inputs leave open of it."""
-    return f"The mean squares differ by {1e6 * gain:.3g} mm², of which inputs leave ± {1e6 * _SURE * doubt:.2g} open"
+    return f"The mean squares differ by {_squared(gain, 3)}, of which inputs leave ± {_squared(_SURE * doubt, 2)} open"
+
+
+def _squared(value: float, significant: int) -> str:
+    """`value` [m²] in mm², with so many digits but never a power of ten."""
+    rounded = float(f"{1e6 * value:.{significant}g}")
+    text = f"{rounded:.0f}" if abs(rounded) >= 100.0 else f"{rounded:.{significant}g}"
+    return f"{text} mm²".replace("-", "−")
 
 
 def _best(combinations: Combinations, *, eccentric: bool) -> Combination:
