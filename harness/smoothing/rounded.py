@@ -36,7 +36,7 @@ _SETTLED_STRIDE = 0.05  # of the log density
 _HEAD_START = 4  # passes for the sites before stiffness and noise are learnt from them
 _OVERRELAXATION = 2.0  # of the noise: the plain M-step creeps where the noise is small
 _LEAST_NOISE = 1e-3  # of a count, or of a continuous reading's first guess
-# Noise of a continuous reading that shows none [unit]: below it the covariances at the lowest stiffness lose their digits.
+# Noise of a continuous reading that shows none [unit]: below it covariances at the least stiffness lose their digits.
 _EXACT = 1e-8
 
 
