@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Mapping
 from importlib.metadata import version
@@ -20,6 +21,7 @@ from harness.identify.verify import Comparison
 from harness.outputs import all_or_nothing, to_json
 from harness.progress import told_on_stderr
 from harness.recording import Case, load_case
+from harness.report.diagnosis import render_diagnosis
 
 
 def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False) -> int:
@@ -35,13 +37,22 @@ def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False)
         found = diagnose(problem, progress)
         record = as_record(found, case, time.monotonic() - begin)
         (scratch / "diagnosis.json").write_text(to_json(record) + "\n", encoding="utf-8")
+        progress("report")
+        page = render_diagnosis(found, record, case, command=_command(path, out))
+        (scratch / "diagnosis.html").write_text(page, encoding="utf-8")
         for each in case.predict:
             predictions(found, case, each).to_csv(
                 scratch / f"prediction_{Path(each).stem}.csv", index=False, float_format="%.6f"
             )
     progress("")
-    click.echo(to_json(record) if as_json else f"{sentence(found)}\ndiagnosis: {folder / 'diagnosis.json'}")
+    files = f"diagnosis: {folder / 'diagnosis.json'}\nreport: {folder / 'diagnosis.html'}"
+    click.echo(to_json(record) if as_json else f"{sentence(found)}\n{files}")
     return 0
+
+
+def _command(path: Path, out: Path | None) -> str:
+    """What repeats the diagnosis."""
+    return shlex.join(["harness", "diagnose", str(path), *([] if out is None else ["--out", str(out)])])
 
 
 def predictions(found: Diagnosis, case: Case, name: str) -> pd.DataFrame:
@@ -86,7 +97,7 @@ def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
             {
                 "effect": entry.effect,
                 "beside": list(entry.beside),
-                "gain_bic": entry.gain,
+                "gain": entry.gain,
                 "kept": entry.kept,
                 "because": entry.because,
             }

@@ -17,7 +17,7 @@ from analytic.motion import State
 from harness.compare import Choices, Study, prepare, study
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of, read_settings
 from harness.engines.protocol import Engine, EngineParameters
-from harness.errors import EngineFailure
+from harness.errors import EngineFailure, InputError
 from harness.metrics import Score
 from harness.outputs import all_or_nothing, manifest, to_json, write_tables
 from harness.progress import told_on_stderr
@@ -90,6 +90,9 @@ def _choose_engines(
     names: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
 ) -> list[tuple[Engine, EngineParameters]]:
     """Those that are named; else the default ones and whichever has settings. All settings are checked."""
+    idle = sorted(set(settings) - set(names)) if names else []
+    if idle:
+        raise InputError(f"parameters of {', '.join(idle)} are set, but --engine leaves it out; name it or drop them")
     engines = {name: engine_of(name) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
     checked = {name: parameters_of(engine, settings.get(name, {})) for name, engine in engines.items()}
     return [(engines[name], checked[name]) for name in dict.fromkeys(names or engines)]

@@ -189,7 +189,7 @@ def _declared(case: Case) -> tuple[Acting, ...]:
     try:
         return tuple(acting(one.name, one.parameters) for one in case.declared)
     except EffectError as error:
-        raise InputError(f"{case.path}: [[declared]]: {error}") from error
+        raise InputError(f"{case.path}: rig.toml, [[declared]]: {error}") from error
 
 
 def _choose(case: Case, name: str | None) -> Recording:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
@@ -19,9 +20,17 @@ from harness.identify.hypothesis import Hypothesis, Values
 from harness.identify.innovations import penalty
 from harness.identify.problem import Problem
 
+# Standard errors from the curvature of the likelihood are this much too small, for the angle's error is not white as
+# the filter takes it to be: over 52 fits of 13 effects to recordings of the virtual rig (40,000 counts a turn) errors
+# were 1.7 of them RMS, and 1.96 × 1.8 covered 93 %. Differences of deviance are too large by the square of it.
+INFLATION = 2.0
 _DENSITY = (1e-11, 1.0)  # [m²/s³]: an angle error of 0.1 µrad at 100 Hz … a beam that is not known at all
+# Where the process noise begins [m²/s³]: a filter that follows the readings whatever the model lacks. From less it may
+# lose them, and a start far from the truth is held fast in the ripples that this leaves in the deviance.
+_OPEN = 1e-3
 _ROUNDS = 6
 _STANDS = 0.05  # of the deviance: a fiftieth of what decides anything
+_STEP = 1e-3  # of scaled numbers, for slopes: a step relative to a number that is 0 would fall into the rounding
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,11 @@ class Fit:
         return self.deviance + math.log(self.readings) * len(self.numbers)
 
     @property
+    def score(self) -> float:
+        """The same with the deviance taken for what it is worth (quasi-likelihood, Wedderburn, Biometrika 61, 1974)."""
+        return self.deviance / INFLATION**2 + math.log(self.readings) * len(self.numbers)
+
+    @property
     def root_density(self) -> float:
         """Root of the process noise's density [m/s² per √Hz]: what the model leaves unexplained."""
         return math.sqrt(self.density)
@@ -69,7 +83,7 @@ def fit(
     problem: Problem,
     hypothesis: Hypothesis,
     *,
-    density: float = 1e-5,
+    density: float = _OPEN,
     known: Mapping[tuple[str, str], float] | None = None,
     quick: bool = False,
 ) -> Fit:
@@ -131,20 +145,30 @@ def _least(
 ) -> tuple[FloatArray, FloatArray]:
     """Numbers of least squared innovations at a fixed process noise, and the Jacobian there."""
 
-    def residuals(numbers: FloatArray) -> FloatArray:
-        at = hypothesis.read(numbers, problem)
+    @lru_cache(maxsize=1)
+    def at_numbers(numbers: tuple[float, ...]) -> FloatArray:
+        at = hypothesis.read(np.array(numbers), problem)
         miss, spread = problem.predict(at.effects, at.phases, density, at.shape)
         ratio = miss / np.sqrt(spread)
         return np.sign(ratio) * np.sqrt(penalty(ratio))
 
+    def residuals(numbers: FloatArray) -> FloatArray:
+        return at_numbers(tuple(numbers.tolist()))
+
     low, high = hypothesis.bounds(problem)
+
+    def slopes(numbers: FloatArray) -> FloatArray:
+        here = residuals(numbers)
+        steps = np.diag(np.where(numbers + _STEP <= high, _STEP, -_STEP))
+        return np.column_stack([(residuals(numbers + step) - here) / step.sum() for step in steps])
+
     start = np.clip(start, low + 1e-9, high - 1e-9)
     found = least_squares(
         residuals,
         start,
+        jac=slopes,
         bounds=(low, high),
         x_scale=1.0,
-        diff_step=np.full(len(start), 1e-3),
         max_nfev=evaluations,
         xtol=1e-5,
         ftol=1e-6,

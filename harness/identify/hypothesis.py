@@ -71,6 +71,11 @@ class Hypothesis:
         free = sum(self._tail(problem))
         low = np.array([one.low for one in self._each] + [-np.inf] * free)
         high = np.array([one.high for one in self._each] + [np.inf] * free)
+        for at, (_, name) in enumerate(self.parameters):
+            if (
+                name == "radius"
+            ):  # a ball cannot roll on more than its radius, nor deep in a groove that it falls through
+                low[at], high[at] = 0.2 * problem.rig.radius, problem.rig.radius
         scale = self.scale(problem)
         return low / scale, high / scale
 

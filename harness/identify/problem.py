@@ -159,6 +159,25 @@ class Problem:
                 densities.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
         return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(densities)))
 
+    def sensor(self, effects: Sequence[Acting]) -> tuple[float, float]:
+        """Gain [1] and lag [s] of the position sensor with `effects` beside those declared."""
+        values = {one.effect.name: one.values for one in (*self.declared, *effects)}
+        gain = values.get("position_gain", {}).get("gain", 1.0)
+        return gain, values.get("position_lag", {}).get("time_constant", 0.0)
+
+    def dynamics(
+        self, record: Record, effects: Sequence[Acting], phase: float, shape: Shape | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The kernel's vector, shape (SLOTS,), and the beam's table of one recording; arguments as of `filtered`."""
+        every = tuple(_phased(one, phase) for one in (*self.declared, *effects))
+        p = parameters_with(self.model, self.rig, every)
+        p[ORIGIN] = record.origin / self.sensor(effects)[0]
+        table = record.table_with(every)
+        if shape is not None:
+            shape.write(p)
+            table = shape.load(table, record.times, self.rig.gravity)
+        return p, table
+
     def filtered(
         self,
         record: Record,
@@ -177,16 +196,8 @@ class Problem:
             shape: a curve of unknown law beside them.
             reading: other readings than the record's, shape (n,), NaN where there is none [m].
         """
-        every = tuple(_phased(one, phase) for one in (*self.declared, *effects))
-        sensor = {one.effect.name: one.values for one in every if one.effect.sense is not None}
-        gain = sensor.get("position_gain", {}).get("gain", 1.0)
-        lag = sensor.get("position_lag", {}).get("time_constant", 0.0)
-        p = parameters_with(self.model, self.rig, every)
-        p[ORIGIN] = record.origin / gain
-        table = record.table_with(every)
-        if shape is not None:
-            shape.write(p)
-            table = shape.load(table, record.times, self.rig.gravity)
+        gain, lag = self.sensor(effects)
+        p, table = self.dynamics(record, effects, phase, shape)
         n = len(record.time)
         out = Filtered(np.empty(n), np.empty(n), np.empty((n, 4)), np.empty(n), gain, lag)
         innovations(

@@ -1,7 +1,7 @@
 """Which effects act: found one after the other, tested together, dropped when they no longer pay.
 
-Every step keeps what lowers the deviance by more than its price. The price of a number is log n (BIC) and that of a
-choice among many the `threshold`, which is calibrated on effect-free data and not on any case.
+Every step keeps what lowers the deviance, scaled for what it is worth (`Fit.score`), by more than its price: log n for
+a number (BIC), and the `threshold` for a choice among many.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from harness.identify.fit import Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
 
-THRESHOLD = 6.0  # of BIC, beyond which an effect is kept
+THRESHOLD = 6.0  # of the score, beyond which an effect is kept
 _NEAR = 3.0  # times the angle's floor
 MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
 
@@ -65,9 +65,9 @@ def select(
     while len(best.hypothesis.names) < MOST:
         base = best
         tried = _extend(problem, base, progress, quick=explained(problem, base))
-        winner = min(tried, key=lambda one: one.bic)
-        gain = base.bic - winner.bic
-        for one in sorted(tried, key=lambda one: one.bic):
+        winner = min(tried, key=lambda one: one.score)
+        gain = base.score - winner.score
+        for one in sorted(tried, key=lambda one: one.score):
             kept = one is winner and gain > threshold
             ledger.append(_entry(one, base, kept, winner))
         if gain <= threshold:
@@ -89,7 +89,7 @@ def _extend(problem: Problem, base: Fit, progress: Progress, *, quick: bool) -> 
         progress(" + ".join((*base.hypothesis.names, name)))
         names = (*base.hypothesis.names, name)
         found = _fit(problem, names, base, quick=quick)
-        return _fit(problem, names, base) if quick and found.bic < base.bic else found
+        return _fit(problem, names, base) if quick and found.score < base.score else found
 
     return _side_by_side(attempt, names)
 
@@ -110,18 +110,18 @@ def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress
             relatives = [o for o in _relatives(name) if o not in rest and o in candidates(problem)]
             progress(f"{name} again")
             without = _fit(problem, rest, best)
-            if without.bic < best.bic + threshold:
+            if without.score < best.score + threshold:
                 ledger.append(
-                    Entry(name, rest, without.bic - best.bic, False, "no longer pays beside the others", best)
+                    Entry(name, rest, without.score - best.score, False, "no longer pays beside the others", best)
                 )
                 best, changed = without, True
                 break
             swapped = _side_by_side(partial(_instead, problem, rest, best), relatives)
-            better = min(swapped, key=lambda one: one.bic, default=best)
-            if better.bic < best.bic:
+            better = min(swapped, key=lambda one: one.score, default=best)
+            if better.score < best.score:
                 other = better.hypothesis.names[-1]
                 because = f"explains more than {name} did, beside {', '.join(rest)}"
-                ledger.append(Entry(other, rest, best.bic - better.bic, True, because, better))
+                ledger.append(Entry(other, rest, best.score - better.score, True, because, better))
                 best, changed = better, True
                 break
     return best
@@ -143,13 +143,15 @@ def _relatives(name: str) -> list[str]:
 
 def _entry(one: Fit, base: Fit, kept: bool, winner: Fit) -> Entry:
     name = one.hypothesis.names[-1]
-    gain = base.bic - one.bic
+    gain = base.score - one.score
     if kept:
-        because = f"predicts better by {gain:.0f} (BIC)"
+        because = f"predicts better by {gain:.0f} (scaled BIC)"
     elif gain <= 0.0 or math.isnan(gain):
         because = "does not pay for its parameters"
     elif one is winner:
-        because = f"gains {gain:.1f} (BIC), within what chance gives"
+        because = f"gains {gain:.1f} (scaled BIC), within what chance gives"
     else:
-        because = f"gains {gain:.0f} (BIC), {one.bic - winner.bic:.0f} less than {winner.hypothesis.names[-1]}"
+        because = (
+            f"gains {gain:.0f} (scaled BIC), {one.score - winner.score:.0f} less than {winner.hypothesis.names[-1]}"
+        )
     return Entry(name, base.hypothesis.names, gain, kept, because, one)

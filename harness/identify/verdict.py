@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from harness.identify.fit import Fit, fit
+from harness.identify.fit import INFLATION, Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.in_engines import engine_errors
 from harness.identify.problem import Problem
@@ -16,9 +16,6 @@ from harness.identify.remainder import remainder
 from harness.identify.select import THRESHOLD, Entry, explained, select
 from harness.identify.verify import Comparison, held_out, on_identify
 
-# Standard errors from the curvature of the likelihood are this much too small: the angle's error is not white as the
-# filter takes it to be.
-INFLATION = 1.8
 _TWO_SIDED = 1.96
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
 # 6 to 10 is strong evidence).
@@ -119,7 +116,7 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
         for entry in ledger
         if entry.effect not in found.hypothesis.names
         and set(entry.beside) == set(rest)
-        and entry.fit.bic - found.bic < RIVAL
+        and entry.fit.score - found.score < RIVAL
         and len(entry.fit.numbers) <= len(found.numbers)
     }
     return Finding(name, values, tuple(sorted(rivals)))

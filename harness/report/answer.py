@@ -175,7 +175,7 @@ def _uncertainty(facts: Facts) -> str:
 
 def _engines(facts: Facts) -> str:
     failed = [one for one in facts.engines if one.failed]
-    sound = [one for one in facts.engines if math.isfinite(one.departure)]
+    sound = [one for one in facts.engines if math.isfinite(one.departure) and not one.failed]
     near = [one for one in sound if one.departure <= _AGREES * facts.u_val]
     said = [f"{label_of(one.source)} failed: {one.failed}" for one in failed]
     if near:
