@@ -1,0 +1,136 @@
+"""The first screen: the verdict in a sentence, what was found, and predictions without and with it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analytic.effects import CATALOGUE
+from analytic.motion import FloatArray
+from harness.identify.forecast import Forecast, forecast
+from harness.identify.verdict import sentence
+from harness.identify.verify import KNOWN
+from harness.report.diagnosis.account import FOUND, MODEL, Account
+from harness.report.numbers import NONE, brief, length, number
+from harness.report.page import Section
+from harness.report.palette import INK, MEASURED_COLOUR, Look
+from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning
+from harness.report.tables import Column, Row, Table
+
+_REACH = 3.0  # times the largest error: a wider band would leave no room for the errors themselves
+
+
+def section(account: Account) -> Section:
+    """The verdict."""
+    context = {
+        "sentence": _in_words(account),
+        "found": _found(account) if account.diagnosis.findings else None,
+        "unseen": account.diagnosis.unseen,
+        "picture": _before_after(account),
+    }
+    return Section("verdict", "Verdict", "Verdict", "diagnosis/verdict.html", context)
+
+
+def _in_words(account: Account) -> str:
+    """The verdict, with the names of effects as words."""
+    text = sentence(account.diagnosis)
+    for name in (*(one.name for one in account.diagnosis.findings), *account.diagnosis.unseen):
+        text = text.replace(name, name.replace("_", " "))
+    return text
+
+
+def _found(account: Account) -> Table:
+    columns = [
+        Column("effect", text=True),
+        Column("law", text=True),
+        Column("parameter", text=True),
+        Column("value"),
+        Column("95 % interval"),
+        Column("unit", text=True),
+        Column("not to be told from", text=True),
+    ]
+    rows = []
+    for one in account.diagnosis.findings:
+        rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
+        for key, (value, low, high, unit) in one.values.items():
+            first = key == next(iter(one.values))
+            head = (f"`{one.name}`", CATALOGUE[one.name].law) if first else ("", "")
+            digits = _digits(value, high - low)
+            interval = f"{number(low, digits)} … {number(high, digits)}"
+            cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
+            rows.append(Row(cells, "best" if first else ""))
+    return Table("What was missing", columns, rows)
+
+
+def _digits(value: float, width: float) -> int:
+    """Significant digits of a value that show an interval of this width with two."""
+    if not (value and width > 0.0):
+        return 3
+    return int(np.clip(np.floor(np.log10(abs(value))) - np.floor(np.log10(width)) + 2, 2, 6))
+
+
+def _before_after(account: Account) -> Picture:
+    diagnosis, shown = account.diagnosis, account.shown
+    time, reading = shown.time, shown.reading
+    first = time - time[0] < KNOWN
+    given = np.where(first, reading, np.nan)
+    before = forecast(diagnosis.problem, diagnosis.base, shown, given)
+    after = forecast(diagnosis.problem, diagnosis.found, shown, given)
+    runs = [(before, MODEL), (after, FOUND)] if account.changed else [(before, MODEL)]
+    closest = runs[-1][0]
+    with style():
+        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
+        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
+        _panel(top, time, reading, runs, closest)
+        top.set_ylabel("position $s$ [m]")
+        errors = [(1e3 * (one.position - reading), look) for one, look in runs]
+        # A reading has its own noise beside the prediction's.
+        reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.noise)
+        thin = slice(None, None, thinning(len(time)))
+        band(bottom, time, -reach, reach)
+        for error, look in errors:
+            line(bottom, time[thin], error[thin], look)
+        bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
+        seen = errors[-1][0][np.isfinite(reading)]
+        most = _REACH * float(np.max(np.abs(seen)))
+        frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
+        for error, look in errors:
+            mark_exits(bottom, time, error, look)
+        bottom.set_ylabel("prediction − reading\n[mm]")
+        bottom.set_xlabel("time [s]")
+        bottom.set_xlim(time[0], time[-1])
+        for axes in (top, bottom):
+            axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
+        entries = [sample(Look("recording", MEASURED_COLOUR, None, 1.4), account.measured)]
+        entries += [sample(look, look.label) for _, look in runs]
+        figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
+        ends = ", ".join(f"{look.label} {_error(one, reading, ~first)}" for one, look in runs)
+        alt = f"Recorded and predicted position of {shown.name} without and with what was found, and their differences."
+        caption = (
+            f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
+            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below with the reading's noise. "
+            "Triangles: a line leaves the frame. Values here are those of the verdict, for which this recording was "
+            "used too; errors on data that were not used stand below."
+        )
+        return picture(figure, alt, caption)
+
+
+def _panel(
+    axes: Axes, time: FloatArray, reading: FloatArray, runs: list[tuple[Forecast, Look]], closest: Forecast
+) -> None:
+    thin = slice(None, None, thinning(len(time)))
+    band(axes, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
+    known = np.isfinite(reading)
+    stride = slice(None, None, thinning(int(known.sum())))
+    axes.plot(time[known][stride], reading[known][stride], color=MEASURED_COLOUR, linewidth=2.4, alpha=0.85, zorder=4)
+    for one, look in runs:
+        line(axes, time[thin], one.position[thin], look)
+    frame(axes, np.concatenate((reading[known], closest.position)), margin=0.25)
+    for one, look in runs:
+        mark_exits(axes, time, one.position, look)
+
+
+def _error(one: Forecast, reading: FloatArray, judged: np.ndarray) -> str:
+    misses = (one.position - reading)[judged & np.isfinite(reading)]
+    return length(float(np.sqrt(np.mean(misses**2)))) if misses.size else NONE
