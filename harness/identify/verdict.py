@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from analytic.rig import Rig
 from harness.identify.fit import INFLATION, Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.in_engines import engine_errors
@@ -76,7 +77,7 @@ def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None)
     if not explained(problem, listed):
         found, more = remainder(problem, listed, progress)
         ledger = [*ledger, *more]
-    unseen = _unseen(ledger)
+    unseen = _unseen(ledger, problem.rig)
     if found.hypothesis.shape is not None:
         verdict = Verdict.UNLISTED
     elif found.hypothesis.names:
@@ -122,21 +123,22 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
     return Finding(name, values, tuple(sorted(rivals)))
 
 
-def _unseen(ledger: Sequence[Entry]) -> tuple[str, ...]:
+def _unseen(ledger: Sequence[Entry], rig: Rig) -> tuple[str, ...]:
     """Effects of which a typical size would have lowered the deviance by less than the price of keeping them."""
+    latest = {entry.effect: entry for entry in ledger if entry.fit.hypothesis.shape is None and not entry.kept}
     unseen = []
-    for entry in ledger:
-        if entry.beside or entry.fit.hypothesis.shape is not None:
+    for name, entry in latest.items():
+        tried = [one.effect for one in entry.fit.best.effects if one.effect.name == name]
+        if not tried:
             continue
-        (effect,) = entry.fit.best.effects
-        key = effect.effect.parameters[0]
-        deviation = entry.fit.deviations()[effect.effect.name, key.name]
-        neutral = {"gain": 1.0, "radius": 0.0118}.get(key.name, 0.0)
+        key = tried[0].parameters[0]
+        deviation = entry.fit.deviations()[name, key.name]
+        neutral = {"gain": 1.0, "radius": rig.rolling_radius, "eccentricity": rig.eccentricity}.get(key.name, 0.0)
         size = abs(key.typical - neutral)
-        price = THRESHOLD + math.log(entry.fit.readings) * len(entry.fit.numbers)
+        price = THRESHOLD + math.log(entry.fit.readings) * len(tried[0].parameters)
         if not deviation or (size / (INFLATION * deviation)) ** 2 < price:
-            unseen.append(effect.effect.name)
-    return tuple(dict.fromkeys(unseen))
+            unseen.append(name)
+    return tuple(unseen)
 
 
 def sentence(diagnosis: Diagnosis) -> str:

@@ -168,8 +168,8 @@ def _uncertainty(facts: Facts) -> str:
         )
     known = f" beyond the declared {_list(facts.declared)}" if facts.declared else ""
     return (
-        f"Stamp by stamp its error is {ratio} times {floor}: the models lack physics{known}; what the error depends "
-        "on stands under Residuals."
+        f"Stamp by stamp its error is {ratio} times {floor}: the models lack physics{known}; `harness diagnose "
+        f"{facts.case}` looks for it."
     )
 
 

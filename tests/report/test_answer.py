@@ -73,7 +73,7 @@ def test_no_source_is_praised_for_standing_still(rms, words):
 def test_error_beyond_uncertainty_asks_for_a_diagnosis():
     """Say that physics is missing, and which command looks for it, where the error exceeds 2 u_val."""
     assert "lack physics" in said()
-    assert "stands under Residuals" in said()
+    assert "`harness diagnose my_case`" in said()
 
 
 def test_error_within_uncertainty_asks_for_nothing():
