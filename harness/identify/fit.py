@@ -25,12 +25,11 @@ from harness.identify.problem import Problem
 # were 1.7 of them RMS, and 1.96 × 1.8 covered 93 %. Differences of deviance are too large by the square of it.
 INFLATION = 2.0
 _DENSITY = (1e-11, 1.0)  # [m²/s³]: an angle error of 0.1 µrad at 100 Hz … a beam that is not known at all
-# Where the process noise begins [m²/s³]: a filter that follows the readings whatever the model lacks. From less it may
-# lose them, and a start far from the truth is held fast in the ripples that this leaves in the deviance.
-_OPEN = 1e-3
 _ROUNDS = 6
 _STANDS = 0.05  # of the deviance: a fiftieth of what decides anything
-_STEP = 1e-3  # of scaled numbers, for slopes: a step relative to a number that is 0 would fall into the rounding
+# Steps of slopes, in scaled numbers: the first, coarse ones look over the ripples that a ball's stops leave in the
+# deviance; a step relative to a number that is 0 would fall into the rounding.
+_COARSE, _STEP = 0.1, 1e-3
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def fit(
     problem: Problem,
     hypothesis: Hypothesis,
     *,
-    density: float = _OPEN,
+    density: float = 1e-5,
     known: Mapping[tuple[str, str], float] | None = None,
     quick: bool = False,
 ) -> Fit:
@@ -110,7 +109,7 @@ def _promising(problem: Problem, hypothesis: Hypothesis, starts: list[FloatArray
     """The three starts that a short fit takes furthest."""
     tried: list[tuple[float, int, FloatArray]] = []
     for start in starts:
-        numbers, _ = _least(problem, hypothesis, start, density, evaluations=3)
+        numbers, _ = _least(problem, hypothesis, start, density, evaluations=3, step=_COARSE)
         tried.append((_deviance(problem, hypothesis, numbers, density), len(tried), numbers))
     return [numbers for *_, numbers in sorted(tried)[:3]]
 
@@ -121,7 +120,14 @@ def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, den
     deviance = math.inf
     for turn in range(rounds):
         if len(numbers):
-            numbers, jacobian = _least(problem, hypothesis, numbers, density, evaluations=12 if rounds > 1 else 5)
+            numbers, jacobian = _least(
+                problem,
+                hypothesis,
+                numbers,
+                density,
+                evaluations=12 if rounds > 1 else 5,
+                step=_COARSE if turn == 0 else _STEP,
+            )
         width = 12.0 if turn == 0 else 3.0
         middle = math.log(density)
         found = minimize_scalar(
@@ -141,7 +147,7 @@ def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, den
 
 
 def _least(
-    problem: Problem, hypothesis: Hypothesis, start: FloatArray, density: float, evaluations: int
+    problem: Problem, hypothesis: Hypothesis, start: FloatArray, density: float, evaluations: int, step: float
 ) -> tuple[FloatArray, FloatArray]:
     """Numbers of least squared innovations at a fixed process noise, and the Jacobian there."""
 
@@ -159,8 +165,8 @@ def _least(
 
     def slopes(numbers: FloatArray) -> FloatArray:
         here = residuals(numbers)
-        steps = np.diag(np.where(numbers + _STEP <= high, _STEP, -_STEP))
-        return np.column_stack([(residuals(numbers + step) - here) / step.sum() for step in steps])
+        moves = np.diag(np.where(numbers + step <= high, step, -step))
+        return np.column_stack([(residuals(numbers + move) - here) / move.sum() for move in moves])
 
     start = np.clip(start, low + 1e-9, high - 1e-9)
     found = least_squares(

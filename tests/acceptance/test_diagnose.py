@@ -1,0 +1,45 @@
+"""`harness diagnose`: what a user gets, and what is said when the case is none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.virtual_rig import Experiment, write_case
+from tests.acceptance.conftest import Harness
+
+PARAMETER = {"value", "low", "high", "unit"}
+
+
+@pytest.mark.slow
+def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> None:
+    """Write diagnosis.json with every promised key, name the effect that is hidden, and predict what was asked for."""
+    hidden = {"rolling_resistance": {"coefficient": 0.004}}
+    write_case(tmp_path / "case", Experiment(hidden=hidden, duration=8.0))
+    done = process("diagnose", tmp_path / "case", "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(found)
+    assert (found["schema"], found["verdict"], found["unlisted"]) == (1, "effect", None)
+    (effect,) = found["effects"]
+    assert set(effect) == {"name", "parameters", "indistinguishable_from"}
+    assert effect["name"] == "rolling_resistance"
+    size = effect["parameters"]["coefficient"]
+    assert set(size) == PARAMETER
+    assert size["low"] < size["value"] < size["high"]
+    assert size["low"] < 0.004 < size["high"]
+    for when in ("identify", "heldout"):
+        assert found["errors"][when]["after"]["rms_m"]["whole"] < found["errors"][when]["before"]["rms_m"]["whole"]
+    assert all({"effect", "kept", "because"} <= set(line) for line in found["ledger"])
+    assert {"hashes", "versions", "seed"} <= set(found["inputs"])
+    assert (tmp_path / "out" / "prediction_rec_03.csv").read_text().startswith("time_s,ball_position_m")
+
+
+def test_a_missing_case_is_refused(harness: Harness, tmp_path: Path) -> None:
+    """Exit with 2 and one message where there is no such case, and write nothing."""
+    done = harness("diagnose", tmp_path / "nothing", "--out", tmp_path / "out")
+    assert done.code == 2
+    assert "there is no such file or folder" in done.err
+    assert not (tmp_path / "out").exists()
