@@ -32,6 +32,10 @@ FAMILIES = (
     ("channel_delay", "position_lag", "linkage_backlash"),
 )  # fmt: skip
 
+# One law of two numbers that two laws of one number each imitate: on a beam that is not level a resistance differs by
+# direction.
+SPLITS = {"directional_resistance": ("rolling_resistance", "level_error")}
+
 Progress = Callable[[str], None]
 
 
@@ -102,6 +106,15 @@ def _side_by_side(attempt: Callable[[str], Fit], names: Iterable[str]) -> list[F
 
 def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
     """Hold each kept effect against its relatives, and drop what no longer pays, until nothing changes."""
+    for name, pair in SPLITS.items():
+        if name in best.hypothesis.names and not set(pair) & set(best.hypothesis.names):
+            rest = tuple(other for other in best.hypothesis.names if other != name)
+            progress(f"{' + '.join(pair)} for {name}")
+            parted = _fit(problem, (*rest, *pair), best)
+            if parted.score < best.score:
+                because = f"explain more than {name} did"
+                ledger.append(Entry(" + ".join(pair), rest, best.score - parted.score, True, because, parted))
+                best = parted
     changed = len(best.hypothesis.names) > 1
     while changed:
         changed = False

@@ -40,7 +40,6 @@ def test_hidden_effects_are_named(tmp_path: Path, hidden: dict[str, dict[str, fl
     assert {one.name for one in found.findings} == set(hidden)
 
 
-@pytest.mark.xfail(strict=True, reason="the search never exchanges directional resistance for the pair it mimics")
 def test_a_level_error_as_large_as_the_resistance(tmp_path: Path) -> None:
     """Name both where together they resist one way only, although directional resistance comes close to that."""
     found = diagnose(pose(tmp_path / "case", 0, {**ROLLING, **AS_LARGE}).problem)
