@@ -19,9 +19,16 @@ import pandas as pd
 
 from harness.compare import Study
 from harness.errors import InputError
+from harness.recording import Case
 from harness.recording.case import RIG_FILE
 
 _PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
+
+
+def report_folder(case: Case) -> Path:
+    """Where the results of a case go unless the user says otherwise: `reports/<name of the case>`."""
+    path = case.path.resolve()
+    return Path("reports") / (path.parent.name if path.name == "rig.toml" else path.stem)
 
 
 @contextmanager

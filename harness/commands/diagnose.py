@@ -18,7 +18,7 @@ from harness.identify.keep import model_record
 from harness.identify.prepare import problem_of, record_of
 from harness.identify.verdict import Diagnosis, diagnose, sentence
 from harness.identify.verify import Comparison
-from harness.outputs import all_or_nothing, to_json
+from harness.outputs import all_or_nothing, report_folder, to_json
 from harness.progress import told_on_stderr
 from harness.recording import Case, load_case
 from harness.report.diagnosis import render_diagnosis
@@ -29,8 +29,7 @@ def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False)
     begin = time.monotonic()
     case = load_case(path)
     progress = told_on_stderr()
-    name = case.path.resolve().parent.name if case.path.name == "rig.toml" else case.path.resolve().stem
-    folder = out or Path("reports") / name
+    folder = out or report_folder(case)
     with all_or_nothing(folder) as scratch:
         progress("drives and rig")
         problem, _ = problem_of(case)

@@ -19,13 +19,11 @@ from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of,
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure, InputError
 from harness.metrics import Score
-from harness.outputs import all_or_nothing, manifest, to_json, write_tables
+from harness.outputs import all_or_nothing, manifest, report_folder, to_json, write_tables
 from harness.progress import told_on_stderr
-from harness.recording import Case, load_case
+from harness.recording import load_case
 from harness.report import render_comparison
 from harness.tolerances import Checked, Tolerances, check, render_table, tolerances_for
-
-REPORTS = Path("reports")
 
 
 def run_case(
@@ -67,7 +65,7 @@ def run_case(
     if limits is not None:
         choices = limits.settle(choices)
     progress = told_on_stderr()
-    folder = out or REPORTS / _name(case)
+    folder = out or report_folder(case)
     with all_or_nothing(folder) as scratch:  # entered first: what cannot be written need not be computed
         progress("drive and measured state")
         result = study(prepare(case, choices), chosen, progress)
@@ -110,11 +108,6 @@ def _failures(result: Study) -> list[str]:
         f"{failures[0]} ({len(failures)} of its {runs[name]} runs failed; the report has the other sources)"
         for name, failures in by_engine.items()
     ]
-
-
-def _name(case: Case) -> str:
-    path = case.path.resolve()
-    return path.parent.name if path.name == "rig.toml" else path.stem
 
 
 def _as_json(result: Study, checks: Sequence[Checked], folder: Path) -> str:

@@ -38,11 +38,6 @@ class Channel:
         if not math.isfinite(self.delay):
             raise ValueError(f"delay is {self.delay}; it must be finite")
 
-    @property
-    def direct(self) -> bool:
-        """Whether the position is recorded as it is."""
-        return self.gain == 1.0 and self.time_constant == 0.0 and self.delay == 0.0
-
     def lag(self, position: FloatArray, seen: FloatArray, dt: float) -> None:
         """Let the lagged position follow: exact for a position that is linear between the instants.
 

@@ -193,7 +193,7 @@ def style(time: FloatArray, angle: FloatArray, position: FloatArray) -> dict[str
 def test_recordings_have_the_style_of_the_cases() -> None:
     """Lie, in every figure's mean, within the spread of the recordings of the cases."""
     if not CASES.is_dir():
-        pytest.skip("../shared is not there")
+        pytest.skip("the folder ../shared is absent")
     theirs = []
     for file in sorted(CASES.glob("*/rec_0[12].csv")):
         table = pd.read_csv(file)
