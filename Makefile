@@ -82,6 +82,10 @@ scenes: $(INSTALLED) ## write mjcf/*.xml and urdf/*.urdf anew
 recording: $(INSTALLED) ## simulate the bundled recording anew
 	$(BIN)/python -m harness.virtual_rig.bundled
 
+.PHONY: calibrate
+calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
+	$(BIN)/python -m harness.calibration --jobs $(JOBS) $(ARGS)
+
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock
 lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)

@@ -1,7 +1,8 @@
-"""Where compiled code is kept, so that a changed source is never run in an old compilation.
+"""Compiled code, kept so that a changed source is never run in an old compilation.
 
 numba looks only at the file of the function it compiled: a function in another file that calls a changed one would go
-on with the old. So the cache is one per state of all compiled sources.
+on with the old. So the cache is one per state of all compiled sources. It is chosen when this module is imported, which
+is why every compiled function takes `njit` from here.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba import njit
+
+__all__ = ["keep_compiled_code_fresh", "njit"]
 
 _PACKAGES = ("analytic", "harness")
 
@@ -35,3 +39,6 @@ def keep_compiled_code_fresh() -> None:
             continue
         config.CACHE_DIR = str(folder / name)
         return
+
+
+keep_compiled_code_fresh()

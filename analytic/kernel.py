@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from analytic.models import SLOTS, Model, coefficients
+from analytic.compiled import njit
+from analytic.models import LAW_SLOTS, SLOTS, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
 from analytic.step import advance
@@ -117,7 +117,7 @@ def integrate(
     Args:
         grid: stamps and steps, n stamps.
         tables: beam motions from `Grid.tabulate`, shape (2 m + 1, 3) or (motions, 2 m + 1, 3).
-        parameters: from `models.coefficients`, shape (SLOTS,) or (runs, SLOTS).
+        parameters: from `models.coefficients`, shape (SLOTS,) or (runs, SLOTS); longer where force laws follow.
         starts: s [m] and ṡ [m/s] at each run's first stamp, shape (runs, 2).
         table_of: which motion a run uses, shape (runs,); all the first one by default.
         first, last: stamp indices at which a run begins and ends, shape (runs,); the whole grid by default.
@@ -135,7 +135,8 @@ def integrate(
     last = np.full(count, len(grid.time) - 1) if last is None else np.asarray(last, np.int64)
     if tables.shape[1:] != (2 * len(grid.steps) + 1, 3):
         raise ValueError(f"tables have shape {tables.shape}; the grid asks for (…, {2 * len(grid.steps) + 1}, 3)")
-    if parameters.shape[1] != SLOTS or starts.shape[1] != 2 or not len(table_of) == len(first) == len(last) == count:
+    laws, rest = divmod(parameters.shape[1] - SLOTS, LAW_SLOTS)
+    if laws < 0 or rest or starts.shape[1] != 2 or not len(table_of) == len(first) == len(last) == count:
         raise ValueError(f"{count} runs need as many starts (s, ṡ), motions and windows, and {SLOTS} parameters each")
     if np.any((table_of < 0) | (table_of >= len(tables))):
         raise ValueError(f"table_of must lie within 0 … {len(tables) - 1}")

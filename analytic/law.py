@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.models import (
     BUMP_CENTRE,
     BUMP_HEIGHT,
@@ -24,6 +24,9 @@ from analytic.models import (
     GRAVITY,
     HEIGHT,
     IMBALANCE,
+    LAW_MARGIN,
+    LAW_NODES,
+    LAW_SLOTS,
     LEVEL,
     LINEAR,
     NODES,
@@ -37,6 +40,7 @@ from analytic.models import (
     SHAPE_LOW,
     SHAPE_NODES,
     SHAPE_STEP,
+    SLOTS,
     STRIBECK_VELOCITY,
     TRANSITION,
     VISCOUS,
@@ -45,8 +49,8 @@ from analytic.models import (
 )
 from analytic.motion import FloatArray
 
-# What a curve of unknown law depends on (slot SHAPE), and whether it is a force on the ball or a dry friction.
-# A friction that depends on time stands in a fourth column of the beam's table.
+# What a curve depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the ball or
+# a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
 OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_TIME = 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
@@ -58,7 +62,7 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
     Args:
         s, v: ball, position [m] and velocity [m/s].
         angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
-        p: from `models.coefficients`, with effects written into it, shape (SLOTS,).
+        p: from `models.coefficients`, with effects written into it, shape (SLOTS,) or longer where laws follow.
     """
     tilt = angle + p[LEVEL]
     if p[CURVATURE] != 0.0:
@@ -85,6 +89,8 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
         result += p[RESPONSE] * curve(angle, p)
     elif p[SHAPE] == OF_ROLL:
         result += p[RESPONSE] * curve(((s - p[ORIGIN]) * p[ROLL]) % (2.0 * np.pi), p)
+    if len(p) > SLOTS:
+        result += p[RESPONSE] * laws(s, v, angle, p)
     reading = int(p[READING])
     if reading == _NONE:
         return result
@@ -104,6 +110,36 @@ def curve(at: float, p: FloatArray) -> float:
     node = min(int(place), NODES - 2)
     part = place - node
     return (1.0 - part) * p[SHAPE_NODES + node] + part * p[SHAPE_NODES + node + 1]
+
+
+@njit(cache=True)
+def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
+    """Sum of the force laws behind the slots, F/m [m/s²]."""
+    total = 0.0
+    for law in range(SLOTS, len(p), LAW_SLOTS):
+        depends = p[law]
+        if depends == OF_POSITION:
+            total += hermite(s, law, p)
+        elif depends == OF_VELOCITY:
+            total += hermite(v, law, p)
+        elif depends == OF_ANGLE:
+            total += hermite(angle, law, p)
+        else:
+            total += hermite(((s - p[ORIGIN]) * p[ROLL]) % (2.0 * np.pi), law, p)
+    return total
+
+
+@njit(cache=True)
+def hermite(at: float, law: int, p: FloatArray) -> float:
+    """The block `law` of the vector: cubic between nodes, slopes by differences of fourth order, constant beyond."""
+    place = min(max((at - p[law + 1]) / p[law + 2], 0.0), LAW_NODES - 1.0)
+    node = min(int(place), LAW_NODES - 2)
+    t = place - node
+    n = law + 3 + LAW_MARGIN + node
+    low = (8.0 * (p[n + 1] - p[n - 1]) - p[n + 2] + p[n - 2]) / 12.0
+    high = (8.0 * (p[n + 2] - p[n]) - p[n + 3] + p[n - 1]) / 12.0
+    rise = p[n + 1] - p[n]
+    return p[n] + t * (low + t * (3.0 * rise - 2.0 * low - high + t * (low + high - 2.0 * rise)))
 
 
 @njit(cache=True)

@@ -111,6 +111,10 @@ DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
 SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_NODES = 31, 32, 33, 34  # a curve of unknown law: see `analytic.law.curve`
 NODES = 12
 SLOTS = SHAPE_NODES + NODES
+# Behind the slots stands a block for each force law of an effect of the user's own, so that none costs where there is
+# none: what it depends on, first node, distance of nodes, then the nodes, with two more beyond either end for slopes.
+LAW_NODES, LAW_MARGIN = 513, 2
+LAW_SLOTS = 3 + LAW_NODES + 2 * LAW_MARGIN
 
 
 def coefficients(model: Model, rig: Rig) -> FloatArray:

@@ -7,8 +7,8 @@ step's mean acceleration, after Moreau ("Unilateral contact and dry friction in 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, acceleration, dry_limit, normal_force
 from analytic.models import (
     DAHL,
@@ -51,10 +51,10 @@ def advance(
     if p[DAHL] != 0.0:
         s_end, v_end = s_end + 0.5 * h * h * w, v_end + h * w
         w = dahl(w, v_end, 0.5 * h, dahl_limit(s_end, v_end, a2, p), p[DAHL_STIFFNESS])
+    dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0 or p[SHAPE] >= DRY_OF_POSITION
     if p[TRACTION] != 0.0:
-        s_end, v_end, w = _slip(s, v, w, h, s_end, v_end, a1, p)
-    dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0
-    if dry or p[SHAPE] >= DRY_OF_POSITION:
+        return _slip(s, v, w, h, s_end, v_end, a1, p, dry)
+    if dry:
         s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
     return s_end, v_end, w
 
@@ -96,24 +96,30 @@ def _limit(s: float, v: float, towards: float, a: FloatArray, p: FloatArray) -> 
 
 @njit(cache=True)
 def _slip(
-    s: float, v: float, w: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray
+    s: float, v: float, w: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray, dry: bool
 ) -> tuple[float, float, float]:
-    """(s, ṡ, w) after a step that would end at (s_end, v_end) if the ball rolled; w is its slip velocity.
+    """(s, ṡ, w) after a step that would end at (s_end, v_end) if the ball rolled freely; w is its slip velocity.
 
-    The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it takes away the slip if it can. With ι = J/(m r²),
+    The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it takes away the slip if it can. A resistance against
+    rolling is a moment c r N on the turning ball, ± by its sense. With ι = J/(m r²),
 
-        s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
+        s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) ± c N/(m ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
     """
     iota = 1.0 / p[RESPONSE] - 1.0
     turn = p[TURN] * a1[2]
     free = (1.0 + iota) * (v_end - v) / h + iota * turn
     grip = p[TRACTION] * normal_force(s, v, a1[0], a1[1], a1[2], p)
-    needed = -(free + turn + w / h) / (1.0 + 1.0 / iota)
-    if abs(needed) <= grip and w == 0.0:
+    resisted = 0.0
+    if dry:
+        s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
+        sense = 1.0 if v > w else -1.0
+        resisted = sense * _limit(s, v, sense, a1, p) / (p[RESPONSE] * iota) if v != w else 0.0
+    if w == 0.0 and abs((v_end - v) / h - free) <= grip:
         return s_end, v_end, 0.0
+    needed = -(free + turn + resisted + w / h) / (1.0 + 1.0 / iota)
     traction = min(max(needed, -grip), grip)
     new = v + h * (free + traction)
-    w += h * (free + turn + traction * (1.0 + 1.0 / iota))
+    w += h * (free + turn + resisted + traction * (1.0 + 1.0 / iota))
     if abs(needed) <= grip:
         w = 0.0  # to the bit: it rolls again
     return s + 0.5 * h * (v + new), new, w

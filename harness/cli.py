@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from analytic.motion import State
 from harness.errors import HarnessError
+
+if TYPE_CHECKING:
+    from harness.recording import Case
 
 BUNDLED = Path(__file__).parent / "data" / "paper_protocol"
 
@@ -44,6 +48,13 @@ def fail(error: HarnessError) -> NoReturn:
     """Say what is wrong on stderr and leave."""
     click.echo(f"error: {error}", err=True)
     sys.exit(error.exit_code)
+
+
+def _read(path: Path) -> Case:
+    """The case, before what works on it is imported: that takes seconds, and an answer to a bad input should not."""
+    from harness.recording import load_case
+
+    return load_case(path)
 
 
 class StateType(click.ParamType):
@@ -85,6 +96,28 @@ class AngleType(click.ParamType):
         if not math.isfinite(angle):
             self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
         return angle
+
+
+def _beside_the_catalogue(ctx: click.Context, param: click.Parameter, files: tuple[Path, ...]) -> tuple[Path, ...]:
+    """Effects of the user's own are known until the command ends."""
+    if files:
+        from harness.own_effects import own_effects
+
+        ctx.with_resource(own_effects(files))
+    return files
+
+
+def effects_option(*, passed: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """`--effects FILE`, repeatable; the command is told the files if they are `passed`."""
+    return click.option(
+        "--effects",
+        multiple=True,
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        callback=_beside_the_catalogue,
+        expose_value=passed,
+        help="Python file with effects of your own, known beside the catalogue; repeatable.",
+    )
 
 
 @click.group(cls=Friendly, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -161,6 +194,7 @@ def main() -> None:
     metavar="FILE",
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
+@effects_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -175,9 +209,10 @@ def run(case: Path | None, **options: Any) -> None:
       harness run my_rig/ --recording swing_02.csv --set mujoco.friction=0.3
       harness run my_rig/ --level-angle estimate --check
     """
+    read = _read(case or BUNDLED)
     from harness.commands.run import run_case
 
-    sys.exit(run_case(case or BUNDLED, **options))
+    sys.exit(run_case(read, **options))
 
 
 @main.command()
@@ -185,6 +220,14 @@ def run(case: Path | None, **options: Any) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
 )
+@click.option(
+    "--also",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Further recording of the rig, with positions: nothing is fitted to it, errors are told on it; repeatable.",
+)
+@effects_option(passed=True)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, **options: Any) -> None:
     """Find what the model lacks: name the effect, its size and interval, and the error before and after.
@@ -193,12 +236,35 @@ def diagnose(case: Path, **options: Any) -> None:
     recording that rig.toml lists to predict.
 
     \b
-    Example:
+    Examples:
       harness diagnose my_rig/
+      harness diagnose my_rig/ --effects magnet.py
+      harness diagnose my_rig/ --also my_rig/swing_07.csv
     """
+    read = _read(case)
     from harness.commands.diagnose import diagnose_case
 
-    sys.exit(diagnose_case(case, **options))
+    sys.exit(diagnose_case(read, **options))
+
+
+@main.command()
+@click.argument("diagnosis", type=click.Path(path_type=Path))
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--refit", is_flag=True, help="Fit every hypothesis on from its numbers, and decide by what comes out.")
+@effects_option(passed=True)
+@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+def replay(diagnosis: Path, case: Path, **options: Any) -> None:
+    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything differs.
+
+    \b
+    Example:
+      harness replay reports/my_rig/diagnosis.json my_rig/
+    """
+    from harness.commands.replay import replay_case
+
+    sys.exit(replay_case(diagnosis, case, **options))
 
 
 @main.command()
@@ -207,6 +273,7 @@ def diagnose(case: Path, **options: Any) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
 )
+@effects_option()
 @click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
 def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the angle alone, with the model that a diagnosis found.

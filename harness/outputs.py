@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import platform
 import shutil
@@ -12,15 +13,19 @@ from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
-from harness.compare import Study
+from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.recording import Case
 from harness.recording.case import RIG_FILE
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from harness.compare import Study
 
 _PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
 
@@ -68,6 +73,8 @@ def all_or_nothing(folder: Path) -> Iterator[Path]:
 
 def trajectories(study: Study) -> pd.DataFrame:
     """Free runs of every source beside the measurement: `time_s`, `measured_m`, then `<source>_m` [m]."""
+    import pandas as pd  # takes a second, which only tables of mixed columns are worth
+
     whole = study.setting.horizons[0]
     table = {"time_s": study.setting.time, "measured_m": study.setting.recording.position}
     table |= {f"{source}_m": study.run_of(source, whole).position[0] for source in study.sources}
@@ -76,6 +83,8 @@ def trajectories(study: Study) -> pd.DataFrame:
 
 def metrics(study: Study) -> pd.DataFrame:
     """One row a source and horizon; columns are the fields of `harness.metrics.Score`."""
+    import pandas as pd
+
     return pd.DataFrame([asdict(score) for score in study.scores])
 
 
@@ -130,6 +139,14 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
+
+
+def csv_text(columns: Mapping[str, FloatArray]) -> str:
+    """Columns of numbers, each of shape (n,), as CSV with six decimals: micrometres, microradians, microseconds."""
+    text = io.StringIO()
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(text, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
+    return text.getvalue()
 
 
 def write_tables(study: Study, folder: Path) -> None:

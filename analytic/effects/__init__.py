@@ -2,22 +2,25 @@
 
 from analytic.effects.catalogue import (
     CATALOGUE,
-    EffectError,
     acting,
+    joined,
     motion_with,
     parameters_with,
     recorded_with,
     rig_with,
 )
 from analytic.effects.effect import Acting, Effect, Parameter
+from analytic.effects.force import EffectError, Force
 
 __all__ = [
     "CATALOGUE",
     "Acting",
     "Effect",
     "EffectError",
+    "Force",
     "Parameter",
     "acting",
+    "joined",
     "motion_with",
     "parameters_with",
     "recorded_with",

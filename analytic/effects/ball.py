@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.effects.effect import Effect, Parameter, Values
+from analytic.effects.effect import Effect, Parameter
+from analytic.effects.force import Values
 from analytic.models import ECCENTRIC, IMBALANCE, PHASE, RESPONSE, TRACTION
 from analytic.motion import FloatArray
 from analytic.rig import Rig

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from types import MappingProxyType
+
+import numpy as np
 
 from analytic.effects.ball import BALL
 from analytic.effects.drive import DRIVE
 from analytic.effects.effect import Acting, Effect
+from analytic.effects.force import EffectError
 from analytic.effects.resistance import RESISTANCES
 from analytic.effects.sensor import SENSOR
 from analytic.effects.track import TRACK
@@ -15,11 +20,28 @@ from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 
-CATALOGUE: Mapping[str, Effect] = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
+_EFFECTS = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
+CATALOGUE: Mapping[str, Effect] = MappingProxyType(_EFFECTS)
 
 
-class EffectError(ValueError):
-    """An effect that the catalogue does not have, or values that it cannot take; the text says what exists."""
+@contextmanager
+def joined(effects: Iterable[Effect]) -> Iterator[None]:
+    """The catalogue with `effects` at its end, as long as the context lasts.
+
+    Raises:
+        EffectError: a name is taken.
+    """
+    names = []
+    try:
+        for effect in effects:
+            if effect.name in _EFFECTS:
+                raise EffectError(f"the name {effect.name!r} is taken; choose another")
+            _EFFECTS[effect.name] = effect
+            names.append(effect.name)
+        yield
+    finally:
+        for name in names:
+            del _EFFECTS[name]
 
 
 def acting(name: str, values: Mapping[str, float]) -> Acting:
@@ -54,13 +76,14 @@ def rig_with(rig: Rig, effects: Iterable[Acting]) -> Rig:
 
 
 def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting]) -> FloatArray:
-    """The kernel vector of `model` on `rig` with `effects` acting, shape (SLOTS,)."""
+    """The kernel vector of `model` on `rig` with `effects` acting, shape (SLOTS + laws · LAW_SLOTS,)."""
     rig = rig_with(rig, effects)
     vector = coefficients(model, rig)
     for one in effects:
         if one.effect.write is not None:
             one.effect.write(vector, rig, one.values)
-    return vector
+    laws = [one.effect.force.sampled(rig, one.values) for one in effects if one.effect.force is not None]
+    return np.concatenate((vector, *laws)) if laws else vector
 
 
 def motion_with(motion: BeamMotion, stamps: FloatArray, effects: Iterable[Acting]) -> BeamMotion:

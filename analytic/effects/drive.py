@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
-from analytic.effects.effect import Effect, Parameter, Values
+from analytic.compiled import njit
+from analytic.effects.effect import Effect, Parameter
+from analytic.effects.force import Values
 from analytic.motion import BeamMotion, FloatArray
 
 _PLAY_STEP = 5e-4  # grid on which the play's contacts are followed [s]: a beam of 1 rad/s moves by a third of a count

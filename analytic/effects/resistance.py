@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.effects.effect import Effect, Parameter, Values
+from analytic.effects.effect import Effect, Parameter
+from analytic.effects.force import Values
 from analytic.models import (
     DAHL,
     DAHL_STIFFNESS,

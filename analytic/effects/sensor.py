@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from analytic.effects.effect import Effect, Parameter, Values
+from analytic.effects.effect import Effect, Parameter
+from analytic.effects.force import Values
 from analytic.motion import FloatArray
 
 
@@ -37,7 +38,7 @@ SENSOR = (
     Effect(
         "channel_delay",
         "the position at t is recorded at t + delay (negative: the angle is late)",
-        (Parameter("delay", "s", -1.0, 1.0, 0.02),),
+        (Parameter("delay", "s", -1.0, 1.0, 0.02, starts=(0.0,)),),
         "transport delay",
         sense=_delayed,
     ),

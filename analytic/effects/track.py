@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.effects.effect import Effect, Parameter, Values
+from analytic.effects.effect import Effect, Parameter
+from analytic.effects.force import Values
 from analytic.models import (
     BUMP_CENTRE,
     BUMP_HEIGHT,
@@ -36,7 +37,7 @@ TRACK = (
     Effect(
         "level_error",
         "gravity sees α + angle",
-        (Parameter("angle", "rad", -0.2, 0.2, 0.003),),
+        (Parameter("angle", "rad", -0.2, 0.2, 0.003, starts=(0.0,)),),
         "the paper, eq. 18, 19",
         _level,
     ),
@@ -61,7 +62,7 @@ TRACK = (
     Effect(
         "beam_compliance",
         "tilt grows by compliance · m g s",
-        (Parameter("compliance", "rad/(N m)", -1.0, 1.0, 0.02),),
+        (Parameter("compliance", "rad/(N m)", -1.0, 1.0, 0.02, starts=(0.0,)),),
         "Timoshenko, Strength of Materials, 1930: end rotation under a moment",
         _compliance,
     ),

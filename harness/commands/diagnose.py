@@ -4,65 +4,139 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
-import pandas as pd
 
+from analytic.motion import FloatArray
+from harness.calibration.sources import digest as code_digest
+from harness.errors import InputError
+from harness.identify.depends import depends_on
 from harness.identify.forecast import forecast
+from harness.identify.in_engines import entries
 from harness.identify.keep import model_record
+from harness.identify.ledger import ledger_record
 from harness.identify.prepare import problem_of, record_of
-from harness.identify.verdict import Diagnosis, diagnose, sentence
+from harness.identify.proposal import FILE
+from harness.identify.sentence import sentence
+from harness.identify.verdict import Diagnosis, diagnose
 from harness.identify.verify import Comparison
-from harness.outputs import all_or_nothing, report_folder, to_json
+from harness.outputs import all_or_nothing, csv_text, report_folder, to_json
 from harness.progress import told_on_stderr
-from harness.recording import Case, load_case
+from harness.recording import Case, Recording, load_recording
+from harness.recording.source import read_source
 from harness.report.diagnosis import render_diagnosis
 
 
-def diagnose_case(path: Path, *, out: Path | None = None, as_json: bool = False) -> int:
-    """Diagnose a case, write its files, say the verdict; return the exit code."""
+def diagnose_case(
+    case: Case,
+    *,
+    out: Path | None = None,
+    also: Sequence[Path] = (),
+    effects: Sequence[Path] = (),
+    as_json: bool = False,
+) -> int:
+    """Diagnose a case, write its files, say the verdict; return the exit code.
+
+    Args:
+        case: as read.
+        out: folder to write into.
+        also: further recordings of the same rig to hold the result against.
+        effects: files whose effects have joined the catalogue (`harness.own_effects`).
+        as_json: print diagnosis.json.
+
+    Raises:
+        InputError: the case or one of the further recordings cannot be used; nothing has been written then.
+    """
     begin = time.monotonic()
-    case = load_case(path)
     progress = told_on_stderr()
     folder = out or report_folder(case)
     with all_or_nothing(folder) as scratch:
         progress("drives and rig")
         problem, _ = problem_of(case)
-        found = diagnose(problem, progress)
-        record = as_record(found, case, time.monotonic() - begin)
+        further = _further(case, also)
+        records = [record_of(case, one, problem.rig)[0] for one in further]
+        found = diagnose(problem, progress, also=records, length=case.rig.length)
+        record = as_record(found, case, time.monotonic() - begin, effects, further)
         (scratch / "diagnosis.json").write_text(to_json(record) + "\n", encoding="utf-8")
         progress("report")
-        page = render_diagnosis(found, record, case, command=_command(path, out))
+        again = _command("replay", folder, case.path, effects=effects)
+        command = _command("diagnose", case.path, out=out, also=also, effects=effects)
+        page = render_diagnosis(found, record, case, command=command, replay=again)
         (scratch / "diagnosis.html").write_text(page, encoding="utf-8")
+        if found.next_experiment is not None:
+            (scratch / FILE).write_text(csv_text(found.next_experiment.table()), encoding="utf-8")
         for each in case.predict:
-            predictions(found, case, each).to_csv(
-                scratch / f"prediction_{Path(each).stem}.csv", index=False, float_format="%.6f"
-            )
+            predicted = csv_text(predictions(found, case, each))
+            (scratch / f"prediction_{Path(each).stem}.csv").write_text(predicted, encoding="utf-8")
     progress("")
     files = f"diagnosis: {folder / 'diagnosis.json'}\nreport: {folder / 'diagnosis.html'}"
     click.echo(to_json(record) if as_json else f"{sentence(found)}\n{files}")
     return 0
 
 
-def _command(path: Path, out: Path | None) -> str:
-    """What repeats the diagnosis."""
-    return shlex.join(["harness", "diagnose", str(path), *([] if out is None else ["--out", str(out)])])
+def _further(case: Case, files: Sequence[Path]) -> list[Recording]:
+    """Recordings beside the case's own, each under a name of its own."""
+    used = {case.recordings[name].sha256: name for name in case.identify}
+    found: dict[str, Recording] = {}
+    for file in files:
+        one = load_recording(file, rig=case.rig, sensors=case.sensors)
+        if one.sha256 in used:
+            raise InputError(
+                f"{file}: is {used[one.sha256]}, which is in use already; give --also a recording that is not"
+            )
+        if not one.known.any():
+            raise InputError(f"{file}: holds no ball positions, so there is nothing to hold predictions against")
+        used[one.sha256] = str(file)
+        name = str(file) if one.name in (*found, *case.identify) else one.name
+        found[name] = replace(one, name=name)
+    return list(found.values())
 
 
-def predictions(found: Diagnosis, case: Case, name: str) -> pd.DataFrame:
+def _command(
+    name: str, *paths: Path, out: Path | None = None, also: Sequence[Path] = (), effects: Sequence[Path] = ()
+) -> str:
+    """What is to be typed."""
+    options = [("--out", out)] if out is not None else []
+    options += [*(("--also", file) for file in also), *(("--effects", file) for file in effects)]
+    words = [str(word) for option in options for word in option]
+    return shlex.join(["harness", name, *map(str, paths), *words])
+
+
+def input_hashes(case: Case, effects: Sequence[Path] = ()) -> dict[str, str]:
+    """SHA-256 of everything that a diagnosis is made from, by file."""
+    hashes = {name: case.recordings[name].sha256 for name in case.identify}
+    hashes |= {"rig.toml": case.sha256} if case.sha256 else {}
+    return hashes | {str(file): read_source(file).sha256 for file in effects}
+
+
+def versions() -> dict[str, str]:
+    """Of the software that decides the numbers; this package also by a digest of its code."""
+    found = {name: version(name) for name in ("ball-beam-harness", "numpy", "scipy", "numba")}
+    return {**found, "code": code_digest()}
+
+
+def predictions(found: Diagnosis, case: Case, name: str) -> dict[str, FloatArray]:
     """`time_s, ball_position_m` of a recording from its angle and the positions it knows, with a 95 % band."""
     record, _ = record_of(case, case.recordings[name], found.problem.rig)
     return forecast(found.problem, found.found, record, record.reading).table()
 
 
-def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
+def as_record(
+    found: Diagnosis,
+    case: Case,
+    wall_time: float,
+    effects: Sequence[Path] = (),
+    further: Sequence[Recording] = (),
+) -> dict[str, Any]:
     """diagnosis.json."""
     shape = found.found.best.shape
+    inputs = {"hashes": input_hashes(case, effects), "versions": versions()}
     return {
         "schema": 1,
         "verdict": str(found.verdict),
@@ -81,7 +155,7 @@ def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
         "unlisted": None
         if shape is None
         else {
-            "depends_on": [str(shape.depends)],
+            "depends_on": [str(one) for one in depends_on(found.found, found.ledger)],
             "shape": {
                 "at": shape.places.tolist(),
                 "values": shape.nodes.tolist(),
@@ -91,24 +165,23 @@ def as_record(found: Diagnosis, case: Case, wall_time: float) -> dict[str, Any]:
                 "step": shape.step,
             },
         },
-        "errors": {"identify": _errors(found.identify), "heldout": _errors(found.heldout), "engines": found.engines},
-        "ledger": [
-            {
-                "effect": entry.effect,
-                "beside": list(entry.beside),
-                "gain": entry.gain,
-                "kept": entry.kept,
-                "because": entry.because,
-            }
-            for entry in found.ledger
-        ],
+        "errors": {
+            "identify": _errors(found.identify),
+            "heldout": _errors(found.heldout),
+            "engines": found.engines,
+            "engines_enter": entries(found.found),
+            "also": {name: {**_errors(one.errors), "engines": one.engines} for name, one in found.also.items()},
+        },
+        "hidden_by_unknown_rig": list(found.hidden),
+        "yardsticks": None if found.contest is None else found.contest.record(),
+        **ledger_record(found.problem, found.base, found.ledger, inputs),
         "model": model_record(found.problem, found.found, case.sensors),
         "inputs": {
-            "hashes": {name: case.recordings[name].sha256 for name in case.identify}
-            | ({"rig.toml": case.sha256} if case.sha256 else {}),
-            "versions": {name: version(name) for name in ("ball-beam-harness", "numpy", "scipy", "numba")},
+            **inputs,
+            "also": {one.name: one.sha256 for one in further},
             "seed": 0,
         },
+        "next_experiment": None if found.next_experiment is None else found.next_experiment.record(),
         "wall_time_s": round(wall_time, 2),
     }
 
@@ -119,6 +192,10 @@ def _errors(one: Comparison) -> Mapping[str, Any]:
             "rms_m": dict(each.rms),
             "innovation_correlation": float(np.round(each.whiteness, 4)),
             "innovation_over_noise": float(np.round(each.ratio, 4)),
+            "innovation_on_beam": {
+                name: {"p": one.p, "correlation": round(one.correlation, 4), "lag_s": round(one.lag, 3)}
+                for name, one in each.beam.items()
+            },
         }
         for when, each in (("before", one.before), ("after", one.after))
     }

@@ -12,10 +12,7 @@ import click
 
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.identify.forecast import forecast
-from harness.identify.keep import read_model
-from harness.identify.prepare import record_from
-from harness.outputs import to_json
+from harness.outputs import csv_text, to_json
 from harness.recording import Sensors, load_recording
 
 
@@ -29,13 +26,18 @@ def predict_recording(diagnosis: Path, recording: Path, *, out: Path | None = No
     kept = _model(file)
     sensors = Sensors(**kept["sensors"])
     read = load_recording(recording, sensors=sensors)
+    # Imported when what was given is readable: that takes seconds, and an answer to a bad file should not.
+    from harness.identify.forecast import forecast
+    from harness.identify.keep import read_model
+    from harness.identify.prepare import record_from
+
     record, _ = record_from(read, sensors, Rig(**kept["rig"]))
     problem, found = read_model(kept, record, str(file))
     table = forecast(problem, found, record, record.reading).table()
     target = out or recording.with_name(f"{recording.stem}_predicted.csv")
-    _write(target, table.to_csv(index=False, float_format="%.6f"))
-    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
-    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")
+    _write(target, csv_text(table))
+    summary = {"out": str(target), "rows": len(read.time), "known": int(read.known.sum())}
+    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(read.time)} rows)")
     return 0
 
 

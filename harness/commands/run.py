@@ -21,13 +21,13 @@ from harness.errors import EngineFailure, InputError
 from harness.metrics import Score
 from harness.outputs import all_or_nothing, manifest, report_folder, to_json, write_tables
 from harness.progress import told_on_stderr
-from harness.recording import load_case
-from harness.report import render_comparison
+from harness.recording import Case
+from harness.report.comparison import render_comparison
 from harness.tolerances import Checked, Tolerances, check, render_table, tolerances_for
 
 
 def run_case(
-    path: Path,
+    case: Case,
     *,
     out: Path | None = None,
     recording: str | None = None,
@@ -50,7 +50,6 @@ def run_case(
     """
     begin = time.monotonic()
     chosen = _choose_engines(engines, read_settings(parameters, assignments))
-    case = load_case(path)
     limits = tolerances_for(case.path, tolerances) if check_limits or tolerances else None
     if limits is not None and engines:  # limits on engines that the user left out are not what was asked
         limits = limits.without(set(limits.engines) - set(engines))

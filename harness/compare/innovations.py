@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 _DIFFUSE = 1e4  # prior variance of start position [m²] and velocity [m²/s²]: the start is free

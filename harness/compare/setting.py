@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from analytic.effects import Acting, EffectError, acting, motion_with, parameters_with
+from analytic.effects import CATALOGUE, Acting, EffectError, acting, motion_with, parameters_with
 from analytic.models import ORIGIN, Model
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig, RigError
@@ -98,10 +98,15 @@ class Setting:
         """The beam's motion, which is the measured one unless a declared effect stands between them."""
         return motion_with(self.drive, self.time, self.acting)
 
+    @property
+    def origin(self) -> float:
+        """Position from which the rolled angle counts: the first of the longest run [m]."""
+        return float(self.ball.position[self.horizons[0].first[0]])
+
     def vector(self, model: Model, rig: Rig | None = None) -> FloatArray:
         """The kernel vector of `model` with the declared effects, on the setting's rig or another; shape (SLOTS,)."""
         vector = parameters_with(model, rig or self.rig, self.acting)
-        vector[ORIGIN] = self.ball.position[self.horizons[0].first[0]]
+        vector[ORIGIN] = self.origin
         return vector
 
     def starts(self, horizon: Horizon) -> FloatArray:
@@ -189,7 +194,8 @@ def _declared(case: Case) -> tuple[Acting, ...]:
     try:
         return tuple(acting(one.name, one.parameters) for one in case.declared)
     except EffectError as error:
-        raise InputError(f"{case.path}: rig.toml, [[declared]]: {error}") from error
+        own = "" if all(one.name in CATALOGUE for one in case.declared) else " Give a file of your own with --effects."
+        raise InputError(f"{case.path}: rig.toml, [[declared]]: {error}{own}") from error
 
 
 def _choose(case: Case, name: str | None) -> Recording:

@@ -84,7 +84,7 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
     motion = motion_for_engine(setting.acting, setting.drive, setting.time)
     for i, (where, start) in enumerate(zip(horizon.slices(), setting.starts(horizon), strict=True)):
         stamps = setting.time[where]
-        force = force_of(setting.acting, rig, motion, stamps, parameters.time_step)
+        force = force_of(setting.acting, rig, motion, stamps, parameters.time_step, origin=setting.origin)
         try:
             run = engine.run(rig, motion, State(*start), stamps, parameters=parameters, force=force)
         except EngineFailure as failure:

@@ -7,16 +7,17 @@ ball stops within the step it holds it as far as its limit reaches; so a ball at
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline
 
+from analytic.compiled import njit
 from analytic.effects import Acting, motion_with, parameters_with
 from analytic.law import acceleration, dry_limit
-from analytic.models import CAM, DAHL, DAHL_STIFFNESS, RESPONSE, coefficients
+from analytic.models import CAM, DAHL, DAHL_STIFFNESS, ORIGIN, RESPONSE, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray
 from analytic.rig import Rig
 from analytic.step import dahl, dahl_limit
@@ -25,7 +26,14 @@ _CORNER_STEP, _CORNER_SPAN = 1e-3, 41  # [s], steps
 
 
 def force_of(
-    effects: Sequence[Acting], rig: Rig, motion: BeamMotion, stamps: FloatArray, time_step: float
+    effects: Sequence[Acting],
+    rig: Rig,
+    motion: BeamMotion,
+    stamps: FloatArray,
+    time_step: float,
+    *,
+    origin: float = 0.0,
+    law: Callable[[FloatArray, float], None] | None = None,
 ) -> BallForce | None:
     """The force that stands for `effects` in an engine that steps by `time_step` [s]; `None` where none is a force.
 
@@ -35,33 +43,37 @@ def force_of(
     Args:
         motion: of the beam.
         stamps: the run's stamps, shape (n,) [s]; the motion is tabulated over them once.
+        origin: position from which the rolled angle counts [m].
+        law: one that no catalogue lists: called with the kernel's vector, shape (SLOTS,), and the time [s] before every
+            step, it writes itself into the vector.
     """
-    effects = [one for one in effects if one.effect.write is not None and one.effect.name != "contact_slip"]
-    if not effects:
+    effects = [
+        one
+        for one in effects
+        if (one.effect.write is not None or one.effect.force is not None) and one.effect.name != "contact_slip"
+    ]
+    if not effects and law is None:
         return None
     bare, full = coefficients(CAM, rig), parameters_with(CAM, rig, effects)
-    dry = any(one.effect.dry for one in effects)
+    full[ORIGIN] = origin
+    dry = law is not None or any(one.effect.dry for one in effects)
     begin = float(stamps[0])
     grid = begin + time_step * np.arange(int(np.ceil((stamps[-1] - begin) / time_step)) + 3)
     known = np.minimum(grid, stamps[-1])
-    rate, angular = motion.rate(known), motion.acceleration(known)
-    inertia = rig.mass / bare[RESPONSE]
-    pull, reached = 0.0, 0  # of a Dahl friction [m/s²], and the step up to which it was followed
+    rate, angular = motion.rate(known).tolist(), motion.acceleration(known).tolist()
+    inertia = float(rig.mass / bare[RESPONSE])
+    pull, before = 0.0, (0, math.nan)  # of a Dahl friction [m/s²]; the step met last, and the ball's position then [m]
 
     def force(s: float, v: float, angle: float, time: float) -> float:
-        nonlocal pull, reached
+        nonlocal pull, before
         n = round((time - begin) / time_step)
-        with_effects = acceleration(s, v, angle, rate[n], angular[n], full)
-        push = with_effects - acceleration(s, v, angle, rate[n], angular[n], bare)
-        if dry:
-            plus = dry_limit(s, v, 1.0, angle, rate[n], angular[n], full)
-            minus = dry_limit(s, v, -1.0, angle, rate[n], angular[n], full)
-            push += mean_friction(v, with_effects, plus, minus, time_step)
-        if full[DAHL] != 0.0:
-            limit = dahl_limit(s, v, np.array([angle, rate[n], angular[n]]), full)
-            pull, reached = dahl(pull, v, (n - reached) * time_step, limit, full[DAHL_STIFFNESS]), n
-            push += pull
-        return float(inertia * push)
+        if law is not None:
+            law(full, time)
+        # An engine's velocities live between the steps: that of half a step ago is what the ball has moved by.
+        earlier = (s - before[1]) / time_step if n == before[0] + 1 else math.nan
+        push, pull = _excess(s, v, earlier, angle, rate[n], angular[n], bare, full, dry, time_step, pull, n - before[0])
+        before = n, s
+        return inertia * push
 
     return force
 
@@ -102,36 +114,74 @@ def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: Flo
 
 
 @njit(cache=True)
-def mean_friction(v: float, drive: float, plus: float, minus: float, time_step: float) -> float:
-    """Mean acceleration [m/s²] that dry friction gives over a step centred on now.
-
-    The engines' velocities live half a step before and after the force; so the step begins at the velocity that the
-    ball had half a step ago, moving as it does.
+def _excess(
+    s: float,
+    v: float,
+    begin: float,
+    angle: float,
+    rate: float,
+    angular: float,
+    bare: FloatArray,
+    full: FloatArray,
+    dry: bool,
+    time_step: float,
+    pull: float,
+    steps: int,
+) -> tuple[float, float]:
+    """Acceleration with effects beyond the one without, and the pull of a Dahl friction in it, both [m/s²].
 
     Args:
-        v: velocity now [m/s].
+        s, v: ball, position [m] and velocity [m/s].
+        begin: its velocity half a step ago [m/s]; NaN if that is not known.
+        angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
+        bare, full: the kernel's vectors without and with effects, shape (SLOTS,) or longer.
+        dry: whether any of them is set-valued.
+        time_step: of the engine [s].
+        pull: of the Dahl friction `steps` steps ago [m/s²].
+    """
+    with_effects = acceleration(s, v, angle, rate, angular, full)
+    push = with_effects - acceleration(s, v, angle, rate, angular, bare)
+    if dry:
+        plus = dry_limit(s, v, 1.0, angle, rate, angular, full)
+        minus = dry_limit(s, v, -1.0, angle, rate, angular, full)
+        if math.isnan(begin):
+            begin = _half_a_step_ago(v, with_effects, plus, minus, time_step)
+        push += mean_friction(begin, with_effects, plus, minus, time_step)
+    if full[DAHL] != 0.0:
+        limit = dahl_limit(s, v, np.array([angle, rate, angular]), full)
+        passed = v if math.isnan(begin) else begin  # since the step before
+        pull = dahl(pull, passed, steps * time_step, limit, full[DAHL_STIFFNESS])
+        push += pull
+    return push, pull
+
+
+@njit(cache=True)
+def mean_friction(begin: float, drive: float, plus: float, minus: float, time_step: float) -> float:
+    """Mean acceleration [m/s²] that dry friction gives over a step.
+
+    Args:
+        begin: velocity at the step's begin [m/s].
         drive: acceleration without the friction [m/s²].
         plus, minus: what friction can hold up against motion towards + and − [m/s²].
         time_step: of the engine [s].
     """
-    hold = plus if drive > 0.0 else minus
-    if abs(v) < 1e-6 * time_step * hold:  # at rest to rounding: held, or about to start
-        return -min(max(drive, -hold), hold)
-    if abs(drive) <= hold and abs(v) <= time_step * hold:  # friction stops it within a step, and then holds it
-        return -min(max(drive + v / time_step, -hold), hold)
-    sign, limit = (1.0, plus) if v > 0.0 else (-1.0, minus)
-    begin = v - 0.5 * time_step * (drive - sign * limit)
-    if sign * begin < 0.0:  # half a step ago it moved the other way, or it was at rest
-        sign, limit = (-1.0, minus) if sign > 0.0 else (1.0, plus)
-        begin = v - 0.5 * time_step * (drive - sign * limit)
-        if sign * begin < 0.0:
-            begin = 0.0
-    rest = time_step
-    if begin != 0.0:
-        end = begin + time_step * (drive - sign * limit)
-        if sign * end >= 0.0:
-            return -sign * limit
-        rest -= begin / (sign * limit - drive)
-    onward = max(abs(drive) - hold, 0.0) * rest
+    sign, limit = (1.0, plus) if begin > 0.0 else (-1.0, minus)
+    end = begin + time_step * (drive - sign * limit)
+    if sign * end >= 0.0:  # it moves on
+        return -sign * limit
+    rest = time_step - begin / (sign * limit - drive)  # of the step, from where the ball stands
+    onward = max(abs(drive) - (plus if drive > 0.0 else minus), 0.0) * rest
     end = onward if drive > 0.0 else -onward
     return (end - begin) / time_step - drive
+
+
+@njit(cache=True)
+def _half_a_step_ago(v: float, drive: float, plus: float, minus: float, time_step: float) -> float:
+    """Velocity [m/s] half a step before it is v; other arguments as of `mean_friction`."""
+    if abs(v) < 1e-6 * time_step * (plus if drive > 0.0 else minus):  # at rest to rounding
+        return 0.0
+    for sign in (1.0, -1.0) if v > 0.0 else (-1.0, 1.0):
+        begin = v - 0.5 * time_step * (drive - sign * (plus if sign > 0.0 else minus))
+        if sign * begin >= 0.0:
+            return begin
+    return 0.0

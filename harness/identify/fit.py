@@ -8,15 +8,16 @@ still. Single shooting would end in local minima here; prediction errors have ne
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from operator import itemgetter
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import least_squares, lsq_linear, minimize_scalar
 
 from analytic.motion import FloatArray
-from harness.identify.hypothesis import Hypothesis, Values
+from harness.identify.hypothesis import IMBALANCE, Hypothesis, Values, phase_of
 from harness.identify.innovations import penalty
 from harness.identify.problem import Problem
 
@@ -24,12 +25,20 @@ from harness.identify.problem import Problem
 # the filter takes it to be: over 52 fits of 13 effects to recordings of the virtual rig (40,000 counts a turn) errors
 # were 1.7 of them RMS, and 1.96 × 1.8 covered 93 %. Differences of deviance are too large by the square of it.
 INFLATION = 2.0
-_DENSITY = (1e-11, 1.0)  # [m²/s³]: an angle error of 0.1 µrad at 100 Hz … a beam that is not known at all
+DENSITY = 1e-5  # where the search for the process noise begins [m²/s³]
+# The angle's error leaves no less than this share of what its draws give; a curve could follow all the rest.
+_LEAST_SHARE = 0.25
+_HIGHEST = 0.0  # log of 1 m²/s³: a beam that is not known at all
 _ROUNDS = 6
+_STARTS = 2  # that are followed to their ends, the most promising ones
+_FAR = 0.05  # of deviance a reading: beyond it the robust penalty is not the square that a linear model needs
+_FACTORS = (1.0, 0.1, 0.01, 0.0)
+_QUIETER = (0.3, 0.1, 0.03, 0.03)  # steps in which less process noise is tried where a look ends
+_INSIDE = 1e-9  # of the bounds, in scaled numbers: least squares begin strictly within them
 _STANDS = 0.05  # of the deviance: a fiftieth of what decides anything
 # Steps of slopes, in scaled numbers: the first, coarse ones look over the ripples that a ball's stops leave in the
 # deviance; a step relative to a number that is 0 would fall into the rounding.
-_COARSE, _STEP = 0.1, 1e-3
+COARSE, _STEP = 0.1, 1e-3
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,11 @@ class Fit:
     readings: int
 
     @property
+    def refined(self) -> Hypothesis:
+        """The hypothesis with its curve as it was found, to fit on from there."""
+        return replace(self.hypothesis, shape=self.best.shape)
+
+    @property
     def bic(self) -> float:
         """Bayesian information criterion: deviance and a price of log n a number (Schwarz, Ann. Statist. 6, 1978)."""
         return self.deviance + math.log(self.readings) * len(self.numbers)
@@ -70,8 +84,11 @@ class Fit:
         return math.sqrt(self.density)
 
     def values(self) -> dict[tuple[str, str], float]:
-        """Value of every (effect, parameter)."""
-        return {(one.effect.name, key): value for one in self.best.effects for key, value in one.values.items()}
+        """Value of every (effect, parameter), and the phases of the recordings where there are any."""
+        values = {(one.effect.name, key): value for one in self.best.effects for key, value in one.values.items()}
+        if IMBALANCE in self.hypothesis.names:
+            values |= {phase_of(name): phase for name, phase in zip(self.best.records, self.best.phases, strict=True)}
+        return values
 
     def deviations(self) -> dict[tuple[str, str], float]:
         """Standard deviation of every (effect, parameter), from the curvature of the likelihood."""
@@ -82,100 +99,164 @@ def fit(
     problem: Problem,
     hypothesis: Hypothesis,
     *,
-    density: float = 1e-5,
+    density: float = DENSITY,
     known: Mapping[tuple[str, str], float] | None = None,
-    quick: bool = False,
+    starts: Sequence[FloatArray] = (),
+    rounds: int = _ROUNDS,
 ) -> Fit:
     """Fit one hypothesis; of several starts the likeliest end counts.
 
     Args:
         density: where the search for the process noise begins [m²/s³].
         known: values to begin from.
-        quick: from the most promising start only and in one round: enough to see whether anything is to be gained.
+        starts: scaled numbers to begin from, each of shape (k,), instead of those that the hypothesis names.
+        rounds: of numbers and process noise in turn, at most.
     """
-    best: Fit | None = None
-    starts = list(hypothesis.starts(problem, known or {}))
-    if len(starts) > (1 if quick else 3):
-        starts = _promising(problem, hypothesis, starts, density)[: 1 if quick else 3]
-    for start in starts:
-        one = _fit_from(problem, hypothesis, start, density, rounds=1 if quick else _ROUNDS)
-        if best is None or one.deviance < best.deviance:
-            best = one
-    assert best is not None
-    return best
+    starts = starts or [one.numbers for one in looks(problem, hypothesis, density, known or {})[:_STARTS]]
+    return min(
+        (_fit_from(problem, hypothesis, start, density, rounds) for start in starts), key=lambda one: one.deviance
+    )
 
 
-def _promising(problem: Problem, hypothesis: Hypothesis, starts: list[FloatArray], density: float) -> list[FloatArray]:
-    """The three starts that a short fit takes furthest."""
-    tried: list[tuple[float, int, FloatArray]] = []
-    for start in starts:
-        numbers, _ = _least(problem, hypothesis, start, density, evaluations=3, step=_COARSE)
-        tried.append((_deviance(problem, hypothesis, numbers, density), len(tried), numbers))
-    return [numbers for *_, numbers in sorted(tried)[:3]]
+@dataclass(frozen=True)
+class Look:
+    """One Gauss–Newton step from a start; the process noise is then the likeliest of a few.
+
+    Attributes:
+        start, numbers: where it begins and ends, scaled, shape (k,).
+        promise: what the linear model leaves of the deviance, at the process noise of the start.
+        density: of the process noise where it ends [m²/s³].
+        deviance: there.
+        covariance: of the values in their units, shape (k, k), by the slopes at the start.
+    """
+
+    start: FloatArray
+    numbers: FloatArray
+    promise: float
+    density: float
+    deviance: float
+    covariance: FloatArray
+
+
+def looks(
+    problem: Problem,
+    hypothesis: Hypothesis,
+    density: float,
+    known: Mapping[tuple[str, str], float],
+    *,
+    without: float = math.inf,
+    steps: Sequence[float] = (COARSE,),
+) -> list[Look]:
+    """A step from each start of the hypothesis, the one that ends likeliest first.
+
+    Args:
+        steps: over which slopes are taken, in scaled numbers: the first at every start, the others at the best. Where
+            much is missing the ball of the filter stops at other times than the true one, and the deviance is rippled.
+        without: deviance of what is `known` alone. A start that is much worse than that is taken back towards it,
+            until the readings are where the linear model holds.
+    """
+    far = without + _FAR * problem.readings
+    found = []
+    for start in hypothesis.starts(problem, known, density):
+        misses = _Misses(problem, hypothesis, density)
+        weaker = (hypothesis.weaker(start, factor, known) for factor in _FACTORS)
+        near = next((one for one in weaker if misses.deviance(one) < far), start)
+        found.append(_look(problem, hypothesis, near, misses, steps[0]))
+    found.sort(key=_deviance)
+    misses = _Misses(problem, hypothesis, density)
+    found += [_look(problem, hypothesis, found[0].start, misses, step) for step in steps[1:]]
+    found.sort(key=_deviance)
+    return sorted((*(_quieter(problem, hypothesis, one) for one in found[:_STARTS]), *found[_STARTS:]), key=_deviance)
+
+
+def _deviance(look: Look) -> float:
+    return look.deviance
+
+
+def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: _Misses, step: float) -> Look:
+    low, high = hypothesis.bounds(problem)
+    start = np.clip(start, low + _INSIDE, high - _INSIDE)
+    here = misses.at(start)
+    if not len(start):
+        deviance = misses.deviance(start)
+        return Look(start, start, deviance, misses.density, deviance, np.zeros((0, 0)))
+    size = np.clip(np.abs(start), COARSE / 10.0, COARSE) if step == COARSE else np.full(len(start), step)
+    slopes = misses.slopes(start, size)
+    move = lsq_linear(slopes, -here, bounds=(low - start, high - start), method="bvls").x
+    before = misses.deviance(start)
+    promise = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
+    end, deviance = start + move, misses.deviance(start + move)
+    if deviance > before:
+        deviance, end = min(
+            (misses.deviance(start + 0.5 * move), start + 0.5 * move), (before, start), key=itemgetter(0)
+        )
+    return Look(start, end, promise, misses.density, deviance, _covariance(problem, hypothesis, slopes))
+
+
+def _quieter(problem: Problem, hypothesis: Hypothesis, look: Look) -> Look:
+    """The look with less process noise where that is likelier, which it is if the law explains what was missing."""
+    for factor in _QUIETER:
+        deviance = _Misses(problem, hypothesis, factor * look.density).deviance(look.numbers)
+        if deviance > look.deviance:
+            break
+        look = replace(look, density=factor * look.density, deviance=deviance)
+    return look
+
+
+def unfitted(problem: Problem, hypothesis: Hypothesis, look: Look) -> Fit:
+    """Where a look ends, as a fit that went no further."""
+    return Fit(
+        hypothesis,
+        look.numbers,
+        hypothesis.read(look.numbers, problem),
+        look.density,
+        look.deviance,
+        look.covariance,
+        problem.readings,
+    )
 
 
 def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float, rounds: int) -> Fit:
-    jacobian = np.zeros((problem.readings, len(numbers)))
-    before = math.inf
-    deviance = math.inf
+    low, high = hypothesis.bounds(problem)
+    numbers = np.clip(numbers, low + _INSIDE, high - _INSIDE)
+    slopes = np.zeros((problem.readings, len(numbers)))
+    lowest = 2.0 * math.log(_LEAST_SHARE * problem.angle_floor)
+    density, deviance = max(density, math.exp(lowest)), math.inf
     for turn in range(rounds):
+        before = deviance
         if len(numbers):
-            numbers, jacobian = _least(
-                problem,
-                hypothesis,
-                numbers,
-                density,
-                evaluations=12 if rounds > 1 else 5,
-                step=_COARSE if turn == 0 else _STEP,
-            )
-        width = 12.0 if turn == 0 else 3.0
-        middle = math.log(density)
+            numbers, slopes = _least(_Misses(problem, hypothesis, density), numbers, low, high, first=turn == 0)
+        width, middle = (12.0 if turn == 0 else 3.0), math.log(density)
         found = minimize_scalar(
-            lambda x, at=numbers: _deviance(problem, hypothesis, at, math.exp(x)),
-            bounds=(max(middle - width, math.log(_DENSITY[0])), min(middle + width, math.log(_DENSITY[1]))),
+            lambda x, at=numbers: _Misses(problem, hypothesis, math.exp(x)).deviance(at),
+            bounds=(max(middle - width, lowest), max(min(middle + width, _HIGHEST), lowest + 1.0)),
             method="bounded",
             options={"xatol": 0.1},
         )
         density, deviance = math.exp(found.x), float(found.fun)
         if not len(numbers) or before - deviance < _STANDS:
             break
-        before = deviance
     best = hypothesis.read(numbers, problem)
-    scale = hypothesis.scale(problem)
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(scale, scale)
+    covariance = _covariance(problem, hypothesis, slopes)
     return Fit(hypothesis, numbers, best, density, deviance, covariance, problem.readings)
 
 
+def _covariance(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
+    scale = hypothesis.scale(problem)
+    return np.linalg.pinv(slopes.T @ slopes) * np.outer(scale, scale)
+
+
 def _least(
-    problem: Problem, hypothesis: Hypothesis, start: FloatArray, density: float, evaluations: int, step: float
+    misses: _Misses, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Numbers of least squared innovations at a fixed process noise, and the Jacobian there."""
-
-    @lru_cache(maxsize=1)
-    def at_numbers(numbers: tuple[float, ...]) -> FloatArray:
-        at = hypothesis.read(np.array(numbers), problem)
-        miss, spread = problem.predict(at.effects, at.phases, density, at.shape)
-        ratio = miss / np.sqrt(spread)
-        return np.sign(ratio) * np.sqrt(penalty(ratio))
-
-    def residuals(numbers: FloatArray) -> FloatArray:
-        return at_numbers(tuple(numbers.tolist()))
-
-    low, high = hypothesis.bounds(problem)
-
-    def slopes(numbers: FloatArray) -> FloatArray:
-        here = residuals(numbers)
-        moves = np.diag(np.where(numbers + step <= high, step, -step))
-        return np.column_stack([(residuals(numbers + move) - here) / move.sum() for move in moves])
-
-    start = np.clip(start, low + 1e-9, high - 1e-9)
+    """Numbers of least squared innovations at a fixed process noise, and the slopes there."""
     found = least_squares(
-        residuals,
+        misses.at,
         start,
-        jac=slopes,
+        jac=partial(misses.slopes, step=COARSE if first else _STEP),
         bounds=(low, high),
         x_scale=1.0,
-        max_nfev=evaluations,
+        max_nfev=12,
         xtol=1e-5,
         ftol=1e-6,
         gtol=1e-6,
@@ -183,6 +264,36 @@ def _least(
     return found.x, np.asarray(found.jac)
 
 
-def _deviance(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float) -> float:
-    at = hypothesis.read(numbers, problem)
-    return problem.deviance(at.effects, at.phases, density, at.shape)
+class _Misses:
+    """Innovations over their standard deviations as a function of the scaled numbers, at a given process noise."""
+
+    def __init__(self, problem: Problem, hypothesis: Hypothesis, density: float) -> None:
+        self._problem, self._hypothesis, self.density = problem, hypothesis, density
+        self._lowest, self._highest = hypothesis.bounds(problem)
+        self._latest: tuple[bytes, FloatArray, FloatArray] | None = None
+
+    def _predicted(self, numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Ratios and log variances, shape (readings,) each; the latest are kept, because slopes ask for them again."""
+        key = numbers.tobytes()
+        if self._latest is None or self._latest[0] != key:
+            at = self._hypothesis.read(numbers, self._problem)
+            miss, spread = self._problem.predict(at.effects, at.phases, self.density, at.shape)
+            self._latest = key, miss / np.sqrt(spread), np.log(spread)
+        return self._latest[1:]
+
+    def at(self, numbers: FloatArray) -> FloatArray:
+        """Signed roots of the penalties, shape (readings,)."""
+        ratio, _ = self._predicted(numbers)
+        return np.sign(ratio) * np.sqrt(penalty(ratio))
+
+    def deviance(self, numbers: FloatArray) -> float:
+        """−2 log likelihood, but for a constant."""
+        ratio, log_spread = self._predicted(numbers)
+        return float(np.sum(log_spread + penalty(ratio)))
+
+    def slopes(self, numbers: FloatArray, step: FloatArray | float) -> FloatArray:
+        """Differences of `at` over a step of each number, shape (readings, k)."""
+        here = self.at(numbers)
+        inside = (numbers + step <= self._highest) & (numbers + step >= self._lowest)
+        moves = np.diag(np.where(inside, step, -step))
+        return np.column_stack([(self.at(numbers + move) - here) / move.sum() for move in moves])

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from analytic.motion import FloatArray
 from harness.identify.fit import Fit
@@ -33,17 +32,17 @@ class Forecast:
     deviation: FloatArray
     state: FloatArray
 
-    def table(self) -> pd.DataFrame:
+    def table(self) -> dict[str, FloatArray]:
         """`time_s, ball_position_m`, and the 95 % band `low_m, high_m`."""
         reach = 1.96 * self.deviation
         low, high = self.position - reach, self.position + reach
-        return pd.DataFrame({"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high})
+        return {"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high}
 
 
 def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> Filtered:
     """One recording under a fitted hypothesis, from other readings than its own; φ₀ is found from these."""
     return problem.filtered(
-        record, found.best.effects, _phase(problem, found, record, reading), found.density, found.best.shape, reading
+        record, found.best.effects, phase_of(problem, found, record, reading), found.density, found.best.shape, reading
     )
 
 
@@ -62,7 +61,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(record.time))
-        phase = _phase(problem, found, record, reading)
+        phase = phase_of(problem, found, record, reading)
         for _ in range(_DRAWS):
             numbers = np.clip(found.numbers + root @ generator.standard_normal(count), low, high)
             at = found.hypothesis.read(numbers, problem)
@@ -72,7 +71,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])
 
 
-def _phase(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
+def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
     """φ₀ of a recording, at which its readings are likeliest [rad]."""
     if IMBALANCE not in found.hypothesis.names:
         return 0.0

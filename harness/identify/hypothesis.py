@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,16 +12,60 @@ import numpy as np
 from analytic.effects import CATALOGUE, Acting, Effect, Parameter
 from analytic.models import NODES
 from analytic.motion import FloatArray
+from analytic.rig import Rig
 from harness.identify.problem import Problem
 from harness.identify.shape import Shape
 
 IMBALANCE = "ball_imbalance"
+_PHASES = 8  # tried around a turn: no further than 22° from the likeliest
+
+
+# Parameters with which an effect vanishes.
+_SIZES = {
+    ("viscous_damping", "coefficient"),
+    ("quadratic_drag", "coefficient"),
+    ("rolling_resistance", "coefficient"),
+    ("directional_resistance", "coefficient_plus"),
+    ("directional_resistance", "coefficient_minus"),
+    ("stribeck_friction", "static_coefficient"),
+    ("stribeck_friction", "kinetic_coefficient"),
+    ("presliding_hysteresis", "coefficient"),
+    ("track_curvature", "curvature"),
+    ("track_bump", "height"),
+    ("ball_imbalance", "offset"),
+    ("linkage_backlash", "width"),
+    ("position_lag", "time_constant"),
+}
+
+
+_STARTS = 3  # that are looked at: of many places, the likeliest
+_PLACE = 0.03  # how well a place along the beam can be guessed [m]
+_FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to what it should be [1]
+
+
+def neutral(key: tuple[str, str], rig: Rig) -> float:
+    """Value of an (effect, parameter) at which the effect does nothing, in the parameter's unit."""
+    return 1.0 if key[1] == "gain" else rig.rolling_radius if key[0] == "rolling_radius" else 0.0
+
+
+def size(key: tuple[str, str], parameter: Parameter, rig: Rig) -> float:
+    """How far a parameter typically is from doing nothing, in its unit."""
+    nothing = neutral(key, rig)
+    if key[1] == "centre":
+        return _PLACE
+    return _FACTOR_OFF * nothing if nothing else abs(parameter.typical)
+
+
+def phase_of(record: str) -> tuple[str, str]:
+    """Key of φ₀ of a recording among known values."""
+    return IMBALANCE, f"phase of {record}"
 
 
 @dataclass(frozen=True)
 class Values:
     """A hypothesis with numbers: effects, φ₀ of each recording [rad], and the curve."""
 
+    records: tuple[str, ...]
     effects: tuple[Acting, ...]
     phases: FloatArray
     shape: Shape | None
@@ -64,7 +108,8 @@ class Hypothesis:
         """What one unit of each number is worth."""
         phases, nodes = self._tail(problem)
         node = 0.0 if self.shape is None else 0.003 if self.shape.friction else 0.03
-        return np.array([abs(one.typical) for one in self._each] + [1.0] * phases + [node] * nodes)
+        sizes = [size(key, one, problem.rig) for key, one in zip(self.parameters, self._each, strict=True)]
+        return np.array(sizes + [1.0] * phases + [node] * nodes)
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest scaled numbers."""
@@ -89,10 +134,14 @@ class Hypothesis:
             at += len(effect.parameters)
         phases = values[at : at + len(problem.records)] if IMBALANCE in self.names else np.zeros(len(problem.records))
         shape = replace(self.shape, nodes=values[-NODES:]) if self.shape else None
-        return Values(tuple(acting), phases, shape)
+        return Values(tuple(record.name for record in problem.records), tuple(acting), phases, shape)
 
-    def starts(self, problem: Problem, known: Mapping[tuple[str, str], float]) -> Iterator[FloatArray]:
-        """Where fits begin: from `known` values where there are any, else from the few places each law needs."""
+    def starts(self, problem: Problem, known: Mapping[tuple[str, str], float], density: float) -> list[FloatArray]:
+        """Where fits begin: from `known` values where there are any, else from the few places each law needs.
+
+        Args:
+            density: of the process noise with which phases and places are looked for [m²/s³].
+        """
         choices = []
         for effect in self.effects:
             keys = [(effect.name, parameter.name) for parameter in effect.parameters]
@@ -100,10 +149,40 @@ class Hypothesis:
                 choices.append([[known[key] for key in keys]])
             else:
                 choices.append(_starts(effect, problem))
-        rest = [0.0] * self._tail(problem)[0]
-        rest += list(self.shape.nodes) if self.shape else []
+        nodes = list(self.shape.nodes) if self.shape else []
+        starts = []
         for one in itertools.product(*choices):
-            yield np.array([value for each in one for value in each] + rest) / self.scale(problem)
+            values = [value for each in one for value in each]
+            numbers = np.array([*values, *[0.0] * self._tail(problem)[0], *nodes]) / self.scale(problem)
+            starts.append(self._phased(numbers, problem, known, density))
+        if len(starts) <= _STARTS:
+            return starts
+
+        def deviance(numbers: FloatArray) -> float:
+            at = self.read(numbers, problem)
+            return problem.deviance(at.effects, at.phases, density, at.shape)
+
+        return sorted(starts, key=deviance)[:_STARTS]
+
+    def weaker(self, numbers: FloatArray, factor: float, known: Mapping[tuple[str, str], float]) -> FloatArray:
+        """`numbers` with the effects that are not `known` at `factor` of their size."""
+        sizes = [factor if key in _SIZES and key not in known else 1.0 for key in self.parameters]
+        return numbers * np.array(sizes + [1.0] * (len(numbers) - len(sizes)))
+
+    def _phased(
+        self, numbers: FloatArray, problem: Problem, known: Mapping[tuple[str, str], float], density: float
+    ) -> FloatArray:
+        """`numbers` with the phases that are known or, one recording at a time, the likeliest of a few."""
+        at = self.read(numbers, problem)
+        for n, record in enumerate(problem.records[: self._tail(problem)[0]]):
+            phase = known.get(phase_of(record.name))
+            if phase is None:
+                phase = min(
+                    2.0 * np.pi / _PHASES * np.arange(_PHASES),
+                    key=lambda x, r=record: problem.deviance_of(r, at.effects, x, density, at.shape),  # type: ignore[misc]
+                )
+            numbers[len(self._each) + n] = phase
+        return numbers
 
 
 def _starts(effect: Effect, problem: Problem) -> list[list[float]]:
@@ -123,21 +202,19 @@ def _starts(effect: Effect, problem: Problem) -> list[list[float]]:
         case "track_curvature":
             return [[0.005, float(middle)]]
         case "track_bump":
-            width = 0.1 * (high - low)
-            return [[sign * 1e-4, float(c), float(width)] for c in np.linspace(low, high, 7) for sign in (1.0, -1.0)]
+            heights, widths = (1e-4, -1e-4), (0.015, 0.04)
+            return [[h, float(c), w] for c in np.linspace(low, high, 13) for h in heights for w in widths]
         case "ball_imbalance":
             return [[2e-5]]
-        case "rolling_radius":
-            return [[rig.rolling_radius]]
         case "eccentric_pivot":
             return [[rig.eccentricity]]
         case "contact_slip":
             return [[0.015], [0.03]]
-        case "angle_gain" | "position_gain":
-            return [[1.0]]
         case "linkage_backlash":
             return [[0.002], [0.008]]
         case "position_lag":
             return [[0.01]]
         case _:
-            return [[0.0] * len(effect.parameters)]
+            nothing = [neutral((effect.name, one.name), rig) for one in effect.parameters]
+            starts = [one.starts or (at or one.typical,) for one, at in zip(effect.parameters, nothing, strict=True)]
+            return [list(one) for one in itertools.product(*starts)]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analytic.effects import acting
+from analytic.effects import CATALOGUE, acting
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.fit import Fit
@@ -47,6 +47,12 @@ def read_model(kept: Mapping[str, Any], record: Record, origin: str) -> tuple[Pr
     Raises:
         InputError: it is not what this version writes.
     """
+    unknown = [name for name in kept.get("effects", ()) if name not in CATALOGUE]
+    if unknown:
+        raise InputError(
+            f"{origin}: found {unknown[0]}, which the catalogue does not have; give the file of an effect of your own "
+            "with --effects"
+        )
     try:
         declared = tuple(acting(one["name"], one["values"]) for one in kept["declared"])
         problem = Problem((record,) * kept["phases"], Rig(**kept["rig"]), declared, kept["reading_variance_m2"])

@@ -10,10 +10,11 @@ from analytic.rig import Rig
 from harness.ball_state import estimate_ball
 from harness.compare import Choices, Setting
 from harness.compare import prepare as settle
+from harness.compare.completion import missing
 from harness.drive import make_drive
 from harness.errors import InputError
 from harness.identify.problem import Problem, Record
-from harness.recording import Case, Recording, Sensors, inferred_resolution
+from harness.recording import Case, KnownRig, Recording, Sensors, inferred_resolution
 
 _LEAST = 3  # positions to start from
 _FEWEST = 20  # readings that a recording must hold to say anything
@@ -34,7 +35,15 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> tuple[Problem,
         record, noise = record_of(case, case.recordings[name], setting.rig)
         records.append(record)
         variances.append(noise**2)
-    return Problem(tuple(records), setting.rig, setting.acting, float(np.mean(variances))), setting
+    noise = float(np.mean(variances))
+    return Problem(tuple(records), setting.rig, setting.acting, noise, unknown=stand_ins(case.rig)), setting
+
+
+def stand_ins(known: KnownRig) -> tuple[str, ...]:
+    """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle."""
+    open_ = missing(known)
+    level = bool(open_) and known.level_angle is None
+    return (*(("angle_gain",) if "ratio" in open_ else ()), *(("level_error",) if level else ()))
 
 
 def record_of(case: Case, recording: Recording, rig: Rig) -> tuple[Record, float]:

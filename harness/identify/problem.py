@@ -130,6 +130,7 @@ class Problem:
         declared: effects known to act.
         noise: variance of a position reading, rounding included [m²].
         model: the baseline to which effects are added.
+        unknown: effects that stand for what nobody knows of the rig; every hypothesis has them, and none is a finding.
     """
 
     records: tuple[Record, ...]
@@ -137,6 +138,7 @@ class Problem:
     declared: tuple[Acting, ...]
     noise: float
     model: Model = CAM
+    unknown: tuple[str, ...] = ()
 
     @property
     def readings(self) -> int:
@@ -233,7 +235,15 @@ class Problem:
         self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
     ) -> float:
         """−2 log likelihood of the innovations, but for a constant."""
-        miss, spread = self.predict(effects, phases, density, shape)
+        each = zip(self.records, phases, strict=True)
+        return sum(self.deviance_of(record, effects, float(phase), density, shape) for record, phase in each)
+
+    def deviance_of(
+        self, record: Record, effects: Sequence[Acting], phase: float, density: float, shape: Shape | None = None
+    ) -> float:
+        """−2 log likelihood of one recording's innovations, but for a constant."""
+        found = self.filtered(record, effects, phase, density, shape)
+        miss, spread = found.miss[record.judged], found.spread[record.judged]
         return float(np.sum(np.log(spread) + penalty(miss / np.sqrt(spread))))
 
 

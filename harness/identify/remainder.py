@@ -5,14 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
-from harness.identify.fit import Fit, fit
+import numpy as np
+
+from harness.identify.fit import COARSE, Fit, Look, fit, looks, unfitted
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
-from harness.identify.select import THRESHOLD, Entry
-from harness.identify.shape import KINDS, Depends, blank, visited
+from harness.identify.select import THRESHOLD, Entry, found_in
+from harness.identify.shape import KINDS, blank, visited
 
 CURVE_THRESHOLD = 20.0  # of BIC: seven curves of twelve numbers can follow what a law of the catalogue rounds off
+_DENSITIES = 10.0 ** np.arange(
+    -2.0, 5.0
+)  # of the process noise of a recording that is left out, over that of the others
+_PART = 0.5  # of what the best look promises: curves are nearly linear in their nodes, and keep their promises
 
 
 def remainder(problem: Problem, found: Fit, progress: Callable[[str], None]) -> tuple[Fit, list[Entry]]:
@@ -21,31 +28,78 @@ def remainder(problem: Problem, found: Fit, progress: Callable[[str], None]) -> 
     Where a curve pays, each effect found before has to pay beside it again; what does not is dropped: the catalogue may
     have taken what it could of a cause that is not in it.
     """
-    names = found.hypothesis.names
-
-    def attempt(kind: tuple[Depends, bool]) -> Fit:
-        depends, friction = kind
-        progress(f"a curve of {depends}{' in friction' if friction else ''}")
-        curve = blank(depends, friction, *visited(problem, depends))
-        return fit(problem, Hypothesis(names, curve), density=found.density, known=found.values())
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        tried = list(pool.map(attempt, KINDS))
-    best = min(tried, key=lambda one: one.bic)
+    tried = _curves(problem, found, progress)
+    best = tried[0]
+    gains = found.bic - best.bic > CURVE_THRESHOLD
+    pays = gains and _recurs(problem, found, best, progress)
     ledger = []
-    for one in sorted(tried, key=lambda one: one.bic):
-        kept = one is best and found.bic - one.bic > CURVE_THRESHOLD
-        because = f"gains {found.bic - one.bic:.0f} (BIC)" + ("" if kept else ", too little")
+    for one in tried:
+        kept = one is best and pays
+        because = f"gains {found.bic - one.bic:.0f} (BIC)"
+        if one is best and gains and not pays:
+            because += ", but fitted to some of the recordings it does not predict the others"
+        elif not kept:
+            because += ", too little"
         shape = one.hypothesis.shape
         assert shape is not None
         name = f"curve of {shape.depends}" + (" in friction" if shape.friction else "")
-        ledger.append(Entry(name, names, found.bic - one.bic, kept, because, one))
-    if found.bic - best.bic <= CURVE_THRESHOLD:
+        ledger.append(Entry(name, found.hypothesis.names, found.bic - one.bic, kept, because, one, found))
+    if not pays:
         return found, ledger
-    for name in names:
+    for name in found_in(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
-        without = fit(problem, Hypothesis(rest, best.hypothesis.shape), density=best.density, known=best.values())
+        progress(f"{name} again")
+        without = fit(problem, Hypothesis(rest, best.refined.shape), density=best.density, known=best.values())
         if without.bic < best.bic + THRESHOLD:
-            ledger.append(Entry(name, rest, without.bic - best.bic, False, "does not pay beside the curve", best))
+            ledger.append(
+                Entry(name, rest, without.bic - best.bic, False, "does not pay beside the curve", best, without)
+            )
             best = without
     return best, ledger
+
+
+def _recurs(problem: Problem, found: Fit, best: Fit, progress: Callable[[str], None]) -> bool:
+    """Whether the curve, fitted to all recordings but one, predicts that one better than no curve.
+
+    Twelve numbers can follow what happened once; a law acts again. One recording alone cannot tell.
+    """
+    if len(problem.records) == 1:
+        return True
+    gain = 0.0
+    for left in problem.records:
+        progress(f"the curve without {left.name}")
+        rest = replace(problem, records=tuple(one for one in problem.records if one is not left))
+        alone = replace(problem, records=(left,))
+        for sign, one in ((1.0, found), (-1.0, best)):
+            gain += sign * _deviance(alone, fit(rest, one.refined, density=one.density, known=one.values()))
+    return gain > 0.0
+
+
+def _deviance(problem: Problem, fitted: Fit) -> float:
+    """Of a recording that `fitted` has not seen; phases and process noise are its own."""
+    (record,) = problem.records
+    start = fitted.hypothesis.starts(problem, fitted.values(), fitted.density)[0]
+    phase = float(fitted.hypothesis.read(start, problem).phases[0])
+    densities = fitted.density * _DENSITIES
+    return min(problem.deviance_of(record, fitted.best.effects, phase, one, fitted.best.shape) for one in densities)
+
+
+def _curves(problem: Problem, found: Fit, progress: Callable[[str], None]) -> list[Fit]:
+    """A curve of every kind beside what was found, the best first; fitted where a look promises something."""
+    hypotheses = [Hypothesis(found.hypothesis.names, blank(*kind, *visited(problem, kind[0]))) for kind in KINDS]
+
+    def look(hypothesis: Hypothesis) -> Look:
+        assert hypothesis.shape is not None
+        progress(f"a curve of {hypothesis.shape.depends}{' in friction' if hypothesis.shape.friction else ''}")
+        return looks(problem, hypothesis, found.density, found.values(), steps=(COARSE, 1.0))[0]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        seen = list(pool.map(look, hypotheses))
+        least = _PART * max(found.deviance - min(one.promise, one.deviance) for one in seen)
+
+        def follow(hypothesis: Hypothesis, first: Look) -> Fit:
+            if found.deviance - min(first.promise, first.deviance) < least:
+                return unfitted(problem, hypothesis, first)
+            return fit(problem, hypothesis, density=found.density, starts=[first.numbers])
+
+        return sorted(pool.map(follow, hypotheses, seen), key=lambda one: one.bic)

@@ -1,20 +1,21 @@
 """Which effects act: found one after the other, tested together, dropped when they no longer pay.
 
 Every step keeps what lowers the deviance, scaled for what it is worth (`Fit.score`), by more than its price: log n for
-a number (BIC), and the `threshold` for a choice among many.
+a number (BIC), and the `threshold` for a choice among many. All candidates get a look (`fit.looks`), those that promise
+something a fit.
 """
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
+from typing import TypeVar
 
 from analytic.effects import CATALOGUE
-from harness.identify.fit import Fit, fit
+from harness.identify.fit import COARSE, INFLATION, Fit, Look, fit, looks, unfitted
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
 
@@ -22,26 +23,37 @@ THRESHOLD = 6.0  # of the score, beyond which an effect is kept
 _NEAR = 3.0  # times the angle's floor
 MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
 
-# Effects whose laws look alike over much of what a rig does: a kept one is held against its relatives once more when
-# others have joined it.
-FAMILIES = (
-    ("rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis", "viscous_damping",
-     "quadratic_drag"),
-    ("rolling_radius", "angle_gain", "position_gain"),
-    ("level_error", "track_curvature", "beam_compliance", "track_bump"),
-    ("channel_delay", "position_lag", "linkage_backlash"),
-)  # fmt: skip
+# What a look must promise for a fit to follow: nearly what it costs, and a part of what the best one promises; laws
+# that are far from linear keep less of their promise than others.
+_SLACK, _PART = 4.0, 0.1
+_MOST_FOLLOWED = 8
+_FOLLOWED = 2  # starts of a law that are followed to their ends
+_HOPELESS = 30.0  # of the score behind the best after one round: five times what would still be told apart
 
-# One law of two numbers that two laws of one number each imitate: on a beam that is not level a resistance differs by
-# direction.
-SPLITS = {"directional_resistance": ("rolling_resistance", "level_error")}
+# One law of two numbers that two laws of one number each imitate or are: on a beam that is not level a resistance
+# differs by direction, and one that bends is a bowl with its centre elsewhere.
+SPLITS = {
+    "directional_resistance": ("rolling_resistance", "level_error"),
+    "track_curvature": ("level_error", "beam_compliance"),
+}
 
 Progress = Callable[[str], None]
+_S = TypeVar("_S")
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the ledger: what was tried on top of what, what it brought, and what became of it."""
+    """One line of the ledger.
+
+    Attributes:
+        effect: what was tried.
+        beside: on top of what.
+        gain: of the score, beside a curve of the BIC, over `against`.
+        kept: whether it was kept then.
+        because: why.
+        fit, against: with it and without.
+    """
 
     effect: str
     beside: tuple[str, ...]
@@ -49,11 +61,26 @@ class Entry:
     kept: bool
     because: str
     fit: Fit
+    against: Fit
 
 
 def candidates(problem: Problem) -> tuple[str, ...]:
-    """What can be tried: the catalogue, but for the pivot where the baseline has it."""
-    return tuple(name for name in CATALOGUE if not (name == "eccentric_pivot" and problem.model.eccentric))
+    """What can be tried: the catalogue, but for the pivot where the baseline has it, and for what nothing can show."""
+    return tuple(
+        name
+        for name in CATALOGUE
+        if name not in hidden_by(problem.unknown) and not (name == "eccentric_pivot" and problem.model.eccentric)
+    )
+
+
+def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
+    """Effects that no recording can show where these stand for what is unknown: the rig's estimates take them in.
+
+    K g α of the record is all that a gain of the angle, one of the position and the rolling radius change, but for
+    terms that are small at small angles.
+    """
+    gains = ("angle_gain", "rolling_radius", "position_gain") if "angle_gain" in unknown else ()
+    return (*gains, *(("level_error",) if "level_error" in unknown else ()))
 
 
 def select(
@@ -64,20 +91,22 @@ def select(
     Returns:
         The best fit, and every attempt in order.
     """
-    best = fit(problem, Hypothesis(()))
+    best = fit(problem, Hypothesis(problem.unknown))
     ledger: list[Entry] = []
-    while len(best.hypothesis.names) < MOST:
-        base = best
-        tried = _extend(problem, base, progress, quick=explained(problem, base))
-        winner = min(tried, key=lambda one: one.score)
-        gain = base.score - winner.score
-        for one in sorted(tried, key=lambda one: one.score):
-            kept = one is winner and gain > threshold
-            ledger.append(_entry(one, base, kept, winner))
-        if gain <= threshold:
+    while len(found_in(problem, best)) < MOST:
+        tried = beside(problem, best, progress)
+        winner = tried[0]
+        kept = best.score - winner.score > threshold
+        ledger += [_entry(one, best, kept and one is winner, winner) for one in tried]
+        if not kept:
             break
         best = _settle(problem, winner, ledger, progress, threshold)
     return best, ledger
+
+
+def found_in(problem: Problem, best: Fit) -> tuple[str, ...]:
+    """Effects of a fit that are not among what is unknown of the rig."""
+    return tuple(name for name in best.hypothesis.names if name not in problem.unknown)
 
 
 def explained(problem: Problem, found: Fit) -> bool:
@@ -85,73 +114,100 @@ def explained(problem: Problem, found: Fit) -> bool:
     return found.root_density < _NEAR * problem.angle_floor
 
 
-def _extend(problem: Problem, base: Fit, progress: Progress, *, quick: bool) -> list[Fit]:
-    """Every effect that is not there yet, beside those of `base`; a quick look that finds something is made good."""
-    names = [name for name in candidates(problem) if name not in base.hypothesis.names]
+def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = "") -> list[Fit]:
+    """Every candidate but `without` beside those of `base`, the best first; fitted where a look promises something."""
+    names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, without)]
 
-    def attempt(name: str) -> Fit:
+    near = explained(problem, base)
+    steps = (COARSE,) if near else (COARSE, 1.0, -1.0)
+
+    def look(name: str) -> list[Look]:
         progress(" + ".join((*base.hypothesis.names, name)))
-        names = (*base.hypothesis.names, name)
-        found = _fit(problem, names, base, quick=quick)
-        return _fit(problem, names, base) if quick and found.score < base.score else found
+        return looks(problem, _with(base, name), base.density, base.values(), without=base.deviance, steps=steps)
 
-    return _side_by_side(attempt, names)
+    def promise(found: list[Look]) -> float:
+        """Of the score; where much is missing of a score without a price, for the process noise then hides the gain."""
+        deviance = min(min(one.promise, one.deviance) for one in found)
+        price = math.log(problem.readings) * (len(found[0].numbers) - len(base.numbers)) if near else 0.0
+        return (base.deviance - deviance) / INFLATION**2 - price
+
+    seen = dict(zip(names, _side_by_side(look, names), strict=True))
+    promises = {name: promise(seen[name]) for name in names}
+    least = max(_PART * max(promises.values()), -_SLACK)
+    names = sorted(names, key=lambda name: -promises[name])
+    followed = {name for name in names[:_MOST_FOLLOWED] if promises[name] >= least}
+
+    def follow(name: str) -> Fit:
+        first = seen[name][0]
+        if name not in followed:
+            return unfitted(problem, _with(base, name), first)
+        progress(f"fit of {' + '.join((*base.hypothesis.names, name))}")
+        near = first.deviance + _PART * (base.deviance - first.deviance)
+        starts = [one.numbers for one in seen[name][:_FOLLOWED] if one.deviance <= near]
+        return fit(problem, _with(base, name), density=first.density, starts=starts, rounds=1)
+
+    def finish(one: Fit) -> Fit:
+        if one.hypothesis.names[-1] not in followed or one.score > best + _HOPELESS:
+            return one
+        progress(f"fit of {' + '.join(one.hypothesis.names)}")
+        return fit(problem, one.hypothesis, density=one.density, starts=[one.numbers])
+
+    rough = _side_by_side(follow, names)
+    best = min(one.score for one in rough)
+    return sorted(_side_by_side(finish, rough), key=lambda one: one.score)
 
 
-def _side_by_side(attempt: Callable[[str], Fit], names: Iterable[str]) -> list[Fit]:
+def _with(base: Fit, name: str) -> Hypothesis:
+    return Hypothesis((*base.hypothesis.names, name), base.hypothesis.shape)
+
+
+def _side_by_side(attempt: Callable[[_S], _T], each: Iterable[_S]) -> list[_T]:
     """All attempts, in order; threads do, because the compiled filter runs without the interpreter's lock."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(attempt, names))
+        return list(pool.map(attempt, each))
 
 
 def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
-    """Hold each kept effect against its relatives, and drop what no longer pays, until nothing changes."""
+    """Hold each kept effect against all others, and drop what no longer pays, until nothing changes."""
+    best = _split(problem, best, ledger, progress, threshold)
+    changed = len(found_in(problem, best)) > 1
+    while changed:
+        changed = False
+        for name in found_in(problem, best):
+            rest = tuple(other for other in best.hypothesis.names if other != name)
+            progress(f"{name} again")
+            without = _fit(problem, rest, best)
+            if without.score < best.score + threshold:
+                because = "no longer pays beside the others"
+                ledger.append(Entry(name, rest, without.score - best.score, False, because, best, without))
+                best, changed = without, True
+                break
+            others = beside(problem, without, progress, without=name)
+            better = others[0].score < best.score
+            winner = others[0] if better else best
+            ledger += [_entry(one, without, one is winner, winner) for one in others]
+            if better:
+                best, changed = others[0], True
+                break
+    return best
+
+
+def _split(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
+    """Hold one law against the two that imitate it; two take the place of one only when they explain clearly more."""
     for name, pair in SPLITS.items():
         if name in best.hypothesis.names and not set(pair) & set(best.hypothesis.names):
             rest = tuple(other for other in best.hypothesis.names if other != name)
             progress(f"{' + '.join(pair)} for {name}")
             parted = _fit(problem, (*rest, *pair), best)
-            if parted.score < best.score:
-                because = f"explain more than {name} did"
-                ledger.append(Entry(" + ".join(pair), rest, best.score - parted.score, True, because, parted))
-                best = parted
-    changed = len(best.hypothesis.names) > 1
-    while changed:
-        changed = False
-        for name in best.hypothesis.names:
-            rest = tuple(other for other in best.hypothesis.names if other != name)
-            relatives = [o for o in _relatives(name) if o not in rest and o in candidates(problem)]
-            progress(f"{name} again")
-            without = _fit(problem, rest, best)
-            if without.score < best.score + threshold:
-                ledger.append(
-                    Entry(name, rest, without.score - best.score, False, "no longer pays beside the others", best)
-                )
-                best, changed = without, True
-                break
-            swapped = _side_by_side(partial(_instead, problem, rest, best), relatives)
-            better = min(swapped, key=lambda one: one.score, default=best)
-            if better.score < best.score:
-                other = better.hypothesis.names[-1]
-                because = f"explains more than {name} did, beside {', '.join(rest)}"
-                ledger.append(Entry(other, rest, best.score - better.score, True, because, better))
-                best, changed = better, True
-                break
+            better = parted.score < best.score - threshold
+            because = f"explain{'' if better else ' no'} more than {name} does"
+            ledger.append(Entry(" + ".join(pair), rest, best.score - parted.score, better, because, parted, best))
+            best = parted if better else best
     return best
 
 
-def _fit(problem: Problem, names: Iterable[str], base: Fit, *, quick: bool = False) -> Fit:
-    names = tuple(names)
-    known = {key: value for key, value in base.values().items() if key[0] in names}
-    return fit(problem, Hypothesis(names), density=base.density, known=known, quick=quick)
-
-
-def _instead(problem: Problem, rest: tuple[str, ...], base: Fit, other: str) -> Fit:
-    return _fit(problem, (*rest, other), base)
-
-
-def _relatives(name: str) -> list[str]:
-    return [other for family in FAMILIES if name in family for other in family if other != name]
+def _fit(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
+    return fit(problem, Hypothesis(names), density=base.density, known=base.values())
 
 
 def _entry(one: Fit, base: Fit, kept: bool, winner: Fit) -> Entry:
@@ -167,4 +223,4 @@ def _entry(one: Fit, base: Fit, kept: bool, winner: Fit) -> Entry:
         because = (
             f"gains {gain:.0f} (scaled BIC), {one.score - winner.score:.0f} less than {winner.hypothesis.names[-1]}"
         )
-    return Entry(name, base.hypothesis.names, gain, kept, because, one)
+    return Entry(name, base.hypothesis.names, gain, kept, because, one, base)

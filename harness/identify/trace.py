@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from analytic.compiled import njit
 from analytic.effects import acting, recorded_with
 from analytic.models import CAM
 from analytic.motion import FloatArray

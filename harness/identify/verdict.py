@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
 from analytic.rig import Rig
+from harness.identify.contest import Contest, contest
+from harness.identify.experiment import pairs_of, reveal, separate
 from harness.identify.fit import INFLATION, Fit, fit
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.in_engines import engine_errors
-from harness.identify.problem import Problem
+from harness.identify.hypothesis import Hypothesis, size
+from harness.identify.in_engines import engine_errors, engines_running
+from harness.identify.problem import Problem, Record
+from harness.identify.proposal import Proposal
 from harness.identify.remainder import remainder
-from harness.identify.select import THRESHOLD, Entry, explained, select
-from harness.identify.verify import Comparison, held_out, on_identify
+from harness.identify.select import THRESHOLD, Entry, candidates, explained, found_in, hidden_by, select
+from harness.identify.verify import Comparison, Split, held_out, on_another, on_identify, splits
 
 _TWO_SIDED = 1.96
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
 # 6 to 10 is strong evidence).
 RIVAL = 6.0
+_UNEXPLAINED = 10.0  # times the angle's floor: something acts for which there is no name and no curve
 _BLIND = 0.5  # share of the catalogue that a typical size of would go unseen, from which on the data cannot tell
 
 
@@ -43,8 +47,8 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
-    """What the recordings say.
+class Search:
+    """What was found, before anything is verified.
 
     Attributes:
         problem: what was looked at.
@@ -52,8 +56,6 @@ class Diagnosis:
         findings: the effects found.
         base, found: fits without and with what was found.
         ledger: every attempt.
-        identify, heldout: errors before and after.
-        engines: the same in the engines' scenes, as in diagnosis.json.
         unseen: effects that would go unseen here at their typical size.
     """
 
@@ -63,15 +65,85 @@ class Diagnosis:
     base: Fit
     found: Fit
     ledger: tuple[Entry, ...]
-    identify: Comparison
-    heldout: Comparison
-    engines: Mapping[str, Mapping[str, Any]]
     unseen: tuple[str, ...]
 
 
-def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
-    """Find, trace, verify."""
-    base = fit(problem, Hypothesis(()))
+@dataclass(frozen=True)
+class Another:
+    """Errors before and after on a recording that nothing was fitted to, and those of the engines."""
+
+    errors: Comparison
+    engines: Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Diagnosis(Search):
+    """What the recordings say, and what it is worth.
+
+    Attributes:
+        identify, heldout: errors before and after.
+        engines: the same in the engines' scenes, as in diagnosis.json.
+        also: the same on further recordings, by name.
+        next_experiment: what would tell the most; none where nothing is left to be told, or the rig can do nothing.
+        contest: with models that know next to nothing; none where recordings are too short for it.
+        hidden: effects that no recording can show, because the rig file leaves open what they change.
+    """
+
+    identify: Comparison
+    heldout: Comparison
+    engines: Mapping[str, Mapping[str, Any]]
+    also: Mapping[str, Another] = field(default_factory=dict)
+    next_experiment: Proposal | None = None
+    contest: Contest | None = None
+    hidden: tuple[str, ...] = ()
+
+
+def diagnose(
+    problem: Problem,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    also: Sequence[Record] = (),
+    length: float | None = None,
+) -> Diagnosis:
+    """Find, trace, verify, on the recordings `also` too, which nothing is fitted to; and propose the next experiment.
+
+    On a beam of known `length` [m] that may use all of it.
+    """
+    said = search(problem, progress)
+    held = splits(problem, said.base, said.found, progress)
+    others = {
+        one.name: Another(
+            on_another(problem, said.base, said.found, one, progress),
+            engine_errors(Split(problem, said.base, said.found, (one,)), progress=progress),
+        )
+        for one in also
+    }
+    with engines_running(Split(problem, said.base, said.found, problem.records), held, progress) as engines:
+        return Diagnosis(
+            **vars(said),
+            identify=on_identify(problem, said.base, said.found, progress),
+            heldout=held_out(held),
+            also=others,
+            next_experiment=_next(said, length, progress),
+            contest=contest(held, progress),
+            hidden=hidden_by(problem.unknown),
+            engines=engines(),
+        )
+
+
+def _next(said: Search, length: float | None, progress: Callable[[str], None]) -> Proposal | None:
+    """What tells the found from its rivals; where nothing was found, what shows most of what would go unseen."""
+    progress("the next experiment")
+    if said.verdict in (Verdict.EFFECT, Verdict.UNLISTED):
+        rivals = {one.name: one.indistinguishable_from for one in said.findings}
+        pairs = pairs_of(said.found, said.ledger, rivals, RIVAL)
+        return separate(said.problem, said.found, pairs, length=length) if pairs else None
+    return reveal(said.problem, said.found, said.unseen, length=length) if said.unseen else None
+
+
+def search(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Search:
+    """Find what acts, and say it."""
+    base = fit(problem, Hypothesis(problem.unknown))
     listed, ledger = select(problem, progress)
     found = listed
     if not explained(problem, listed):
@@ -80,23 +152,20 @@ def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None)
     unseen = _unseen(ledger, problem.rig)
     if found.hypothesis.shape is not None:
         verdict = Verdict.UNLISTED
-    elif found.hypothesis.names:
+    elif found_in(problem, found):
         verdict = Verdict.EFFECT
-    elif len(unseen) > _BLIND * len({entry.effect for entry in ledger if not entry.beside}):
+    elif found.root_density > _UNEXPLAINED * problem.angle_floor or len(unseen) > _BLIND * len(candidates(problem)):
         verdict = Verdict.NOT_IDENTIFIABLE
     else:
         verdict = Verdict.NONE
-    findings = tuple(_finding(name, found, ledger) for name in found.hypothesis.names)
-    return Diagnosis(
+    findings = tuple(_finding(name, found, ledger) for name in found_in(problem, found))
+    return Search(
         problem=problem,
         verdict=verdict,
         findings=findings,
         base=base,
         found=found,
         ledger=tuple(ledger),
-        identify=on_identify(problem, base, found, progress),
-        heldout=held_out(problem, base, found, progress),
-        engines=engine_errors(problem, base, found, progress),
         unseen=unseen,
     )
 
@@ -113,12 +182,11 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
             values[parameter.name] = value, value - reach, value + reach, parameter.unit
     rest = tuple(other for other in found.hypothesis.names if other != name)
     rivals = {
-        entry.effect
+        rival
         for entry in ledger
-        if entry.effect not in found.hypothesis.names
-        and set(entry.beside) == set(rest)
-        and entry.fit.score - found.score < RIVAL
-        and len(entry.fit.numbers) <= len(found.numbers)
+        if set(entry.beside) == set(rest) and entry.fit.score - found.score < RIVAL
+        for rival in entry.effect.split(" + ")
+        if rival not in found.hypothesis.names
     }
     return Finding(name, values, tuple(sorted(rivals)))
 
@@ -133,47 +201,7 @@ def _unseen(ledger: Sequence[Entry], rig: Rig) -> tuple[str, ...]:
             continue
         key = tried[0].parameters[0]
         deviation = entry.fit.deviations()[name, key.name]
-        neutral = {"gain": 1.0, "radius": rig.rolling_radius, "eccentricity": rig.eccentricity}.get(key.name, 0.0)
-        size = abs(key.typical - neutral)
         price = THRESHOLD + math.log(entry.fit.readings) * len(tried[0].parameters)
-        if not deviation or (size / (INFLATION * deviation)) ** 2 < price:
+        if not deviation or (size((name, key.name), key, rig) / (INFLATION * deviation)) ** 2 < price:
             unseen.append(name)
     return tuple(unseen)
-
-
-def sentence(diagnosis: Diagnosis) -> str:
-    """The verdict in words."""
-    before, after = diagnosis.heldout.before.rms.get("whole"), diagnosis.heldout.after.rms.get("whole")
-    fall = f"the held-out error falls from {_length(before)} to {_length(after)}" if before and after else ""
-    match diagnosis.verdict:
-        case Verdict.NONE:
-            return "Nothing is missing beyond the noise: no effect of the catalogue predicts these recordings better."
-        case Verdict.NOT_IDENTIFIABLE:
-            return (
-                "These recordings cannot tell: nothing was found, but a typical size of most effects would not have "
-                f"been seen either ({', '.join(diagnosis.unseen[:6])} …)."
-            )
-        case Verdict.UNLISTED:
-            shape = diagnosis.found.best.shape
-            assert shape is not None
-            kind = "a friction" if shape.friction else "a force"
-            also = f" beside {_listed(diagnosis)}" if diagnosis.findings else ""
-            return f"Something that the catalogue does not list: {kind} that depends on {shape.depends}{also}; {fall}."
-        case Verdict.EFFECT:
-            verb = "was" if len(diagnosis.findings) == 1 else "were"
-            return f"{_listed(diagnosis)} {verb} missing; {fall}."
-
-
-def _listed(diagnosis: Diagnosis) -> str:
-    return " and ".join(f"{one.name} ({', '.join(_sizes(one))})" for one in diagnosis.findings)
-
-
-def _sizes(one: Finding) -> list[str]:
-    return [
-        f"{key} = {value:.4g} ± {0.5 * (high - low):.1g} {unit}".removesuffix(" 1")
-        for key, (value, low, high, unit) in one.values.items()
-    ]
-
-
-def _length(metres: float) -> str:
-    return f"{1e3 * metres:.3g} mm"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.fit import Fit, fit
 from harness.identify.forecast import filtered
 from harness.identify.hypothesis import Hypothesis
+from harness.identify.independence import Dependence, joined, on_beam
 from harness.identify.problem import Problem, Record
 
 KNOWN = 2.0  # of each prediction [s]: what comes before it is known
@@ -21,17 +22,19 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Errors:
-    """RMS errors [m] by horizon ("1 s" …, "whole"), and how white the innovations are.
+    """RMS errors [m] by horizon ("1 s" …, "whole"), and what the innovations still know.
 
     Attributes:
         rms: by horizon.
         whiteness: correlation of neighbouring innovations, near 0 for a right model [1].
         ratio: RMS of innovations over the reading's noise, near 1 at the floor [1].
+        beam: how innovations go with the beam's "angle", "rate" and "acceleration" before them.
     """
 
     rms: Mapping[str, float]
     whiteness: float
     ratio: float
+    beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
 def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = lambda _: None) -> Errors:
@@ -41,27 +44,29 @@ def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Pr
     recording predicted from its first two seconds.
     """
     squares: dict[str, list[FloatArray]] = {}
-    white, ratios = [], []
+    white, ratios, beam = [], [], []
     for record in records:
         progress(f"errors of {record.name}")
         time = record.time - record.time[0]
         known = np.isfinite(record.reading)
-        for name, first, last in _windows(time):
+        for name, first, last in windows(time):
             reading = np.where((time < first) & known, record.reading, np.nan)
             judged = known & (time >= first) & (time < last)
             if np.isfinite(reading).sum() > 5 and judged.any():
                 out = filtered(problem, found, record, reading)
                 squares.setdefault(name, []).append((out.recorded - record.reading)[judged] ** 2)
         whole = filtered(problem, found, record, record.reading)
-        z = (whole.miss / np.sqrt(whole.spread))[record.judged]
+        ratio = whole.miss / np.sqrt(whole.spread)
+        z = ratio[record.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
         ratios.append(float(np.mean(whole.miss[record.judged] ** 2) / problem.noise))
+        beam.append(on_beam(record.time, ratio, record.judged, record.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
-    return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))))
+    return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
 
 
-def _windows(time: FloatArray) -> list[tuple[str, float, float]]:
-    """Name, begin and end of every prediction [s]."""
+def windows(time: FloatArray) -> list[tuple[str, float, float]]:
+    """Name, begin and end of every prediction [s], for stamps that begin at 0, shape (n,)."""
     end = float(time[-1])
     found = []
     for horizon in HORIZONS:
@@ -85,35 +90,67 @@ def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> 
     )
 
 
-def held_out(problem: Problem, base: Fit, found: Fit, progress: Progress) -> Comparison:
-    """On each recording in turn, values fitted to the others; a single recording is split in the middle."""
-    before, after = [], []
-    for rest, left in _splits(problem):
+def on_another(problem: Problem, base: Fit, found: Fit, record: Record, progress: Progress) -> Comparison:
+    """On a recording that nothing was fitted to."""
+    return Comparison(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
+
+
+@dataclass(frozen=True)
+class Split:
+    """Fits to a part of the recordings, and the recordings that they have not seen.
+
+    Attributes:
+        problem: of the part that was fitted to.
+        base, found: fits to it, without and with what was found.
+        left: what was held out.
+    """
+
+    problem: Problem
+    base: Fit
+    found: Fit
+    left: tuple[Record, ...]
+
+
+def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[Split, ...]:
+    """Each recording in turn, values fitted to the others; a single recording is split in the middle."""
+    made = []
+    for rest, left in _parts(problem):
         progress(f"held out: {', '.join(record.name for record in left)}")
         sub = replace(problem, records=rest)
-        shape = found.hypothesis.shape
-        plain = fit(sub, Hypothesis(()), density=base.density)
-        again = fit(sub, Hypothesis(found.hypothesis.names, shape), density=found.density, known=found.values())
-        before.append(errors(sub, plain, left))
-        after.append(errors(sub, again, left))
-    return Comparison(_mean(before), _mean(after))
+        plain = fit(sub, Hypothesis(problem.unknown), density=base.density, known=base.values())
+        again = fit(sub, found.refined, density=found.density, known=found.values())
+        made.append(Split(sub, plain, again, left))
+    return tuple(made)
 
 
-def _splits(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
+def held_out(parts: Sequence[Split]) -> Comparison:
+    """On recordings that the values were not fitted to."""
+    return Comparison(
+        _mean([errors(one.problem, one.base, one.left) for one in parts]),
+        _mean([errors(one.problem, one.found, one.left) for one in parts]),
+    )
+
+
+def _parts(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
     records = problem.records
     if len(records) > 1:
         return [(tuple(r for r in records if r is not left), (left,)) for left in records]
     (one,) = records
     middle = len(one.time) // 2
-    halves = [_piece(one, slice(0, middle)), _piece(one, slice(middle, None))]
+    halves = [_piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))]
     return [((halves[0],), (halves[1],)), ((halves[1],), (halves[0],))]
 
 
-def _piece(record: Record, where: slice) -> Record:
-    return Record(record.name, record.time[where], record.reading[where], record.drive)
+def _piece(record: Record, part: str, where: slice) -> Record:
+    return Record(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)
 
 
 def _mean(each: Sequence[Errors]) -> Errors:
     names = dict.fromkeys(name for one in each for name in one.rms)
     rms = {name: float(np.sqrt(np.mean([one.rms[name] ** 2 for one in each if name in one.rms]))) for name in names}
-    return Errors(rms, float(np.mean([e.whiteness for e in each])), float(np.sqrt(np.mean([e.ratio**2 for e in each]))))
+    return Errors(
+        rms,
+        float(np.mean([e.whiteness for e in each])),
+        float(np.sqrt(np.mean([e.ratio**2 for e in each]))),
+        joined(e.beam for e in each),
+    )

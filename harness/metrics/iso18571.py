@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 INNER_CORRIDOR, OUTER_CORRIDOR = 0.05, 0.5  # a₀, b₀: half widths over the largest measured |value|

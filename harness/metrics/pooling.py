@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
 
 from analytic.motion import FloatArray
 
@@ -26,6 +25,8 @@ def rms_standard_error(errors: Sequence[FloatArray], *, seed: int = 0) -> float:
     Returns:
         in the unit of `errors`; NaN for fewer than two windows or errors that are not finite.
     """
+    from scipy import stats  # takes as long to import as all else together
+
     squares = np.array([np.sum(np.square(error)) for error in errors])
     counts = np.array([error.size for error in errors], dtype=np.float64)
     if len(errors) < 2 or not np.all(np.isfinite(squares)):

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import oaconvolve
 
 from analytic.motion import FloatArray
 
@@ -76,9 +75,9 @@ def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> Tilt
     driven, shaken, answer = (
         seen - seen.mean()
         for seen in (
-            oaconvolve(tilt - tilt.mean(), bump, mode="valid"),
-            oaconvolve(tilt - tilt.mean(), curvature, mode="valid"),
-            oaconvolve(path - path.mean(), curvature, mode="valid"),
+            np.convolve(tilt - tilt.mean(), bump, mode="valid"),
+            np.convolve(tilt - tilt.mean(), curvature, mode="valid"),
+            np.convolve(path - path.mean(), curvature, mode="valid"),
         )
     )
     driven, answer = _freed_of(shaken, driven), _freed_of(shaken, answer)

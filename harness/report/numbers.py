@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal
 
 NONE = "—"  # printed for what is not defined
 _NARROW_SPACE = "\u202f"
@@ -71,6 +72,21 @@ def plus_minus(value: float, std: float) -> str:
         return number(value)
     decimals = max(0, 1 - math.floor(math.log10(std)))
     return f"{fixed(value, decimals)} ± {fixed(std, decimals)}"
+
+
+def measured(value: float, reach: float) -> str:
+    """`value ± reach`, both cut where the reach has one or two digits left; alone if there is none.
+
+    Two where its first three digits are below 355, else one; 950 and more become 1000 (Particle Data Group, Review of
+    Particle Physics, introduction, section 5.3): so rounding never changes the reach by more than a seventh.
+    """
+    if not (math.isfinite(value) and math.isfinite(reach) and reach > 0.0):
+        return number(value)
+    three = f"{reach:.2e}"
+    first, power = three.split("e")
+    decimals = (1 if float(first) <= 3.54 else 0) - int(power)
+    kept = max(decimals, 0)
+    return f"{fixed(round(value, decimals), kept)} ± {fixed(float(round(Decimal(three), decimals)), kept)}"
 
 
 def percent(share: float) -> str:

@@ -18,9 +18,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 from harness.smoothing.stiffness import Stiffness, rescore
 from harness.smoothing.wiener import Smoothed, kalman_smoother

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 from harness.smoothing.wiener import LOG_DENSITIES
 

@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.optimize import minimize_scalar
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 # Prior variances of value, first and second derivative at the first stamp: wide for angles in rad and positions in m.

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 

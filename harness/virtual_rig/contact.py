@@ -23,8 +23,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from analytic.compiled import njit
 from harness.virtual_rig.laws import Laws, ball_torque, dahl, force_along, resistance_coefficients, track_tilt
 
 AppliedForce = Callable[[float, float, float, float, float], float]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
+from analytic.compiled import njit
 
 PATCH_EDGE = 2e-3  # way along which a rough patch begins and ends: the ball's contact is no point [m]
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from numba import njit
-
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numba import njit
-
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 from harness.virtual_rig.contact import AppliedForce, Ball, Constants, step
 from harness.virtual_rig.laws import Laws

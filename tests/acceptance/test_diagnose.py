@@ -35,6 +35,11 @@ def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> Non
     assert all({"effect", "kept", "because"} <= set(line) for line in found["ledger"])
     assert {"hashes", "versions", "seed"} <= set(found["inputs"])
     assert (tmp_path / "out" / "prediction_rec_03.csv").read_text().startswith("time_s,ball_position_m")
+    proposed = found["next_experiment"]
+    assert {"profile", "sentence", "separations", "limits", "open_loop_drift_m"} <= set(proposed)
+    assert proposed["separations"][0]["found"] == "rolling_resistance"
+    columns = (tmp_path / "out" / proposed["file"]).read_text().splitlines()
+    assert columns[0] == "time_s,beam_angle_rad,ball_position_m"
 
 
 def test_a_missing_case_is_refused(harness: Harness, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Iterator
 
@@ -162,12 +163,27 @@ def test_second_client_changes_nothing(request: pytest.FixtureRequest) -> None:
     assert pybullet.getNumBodies(client) == 0
 
 
-def test_every_run_closes_its_client() -> None:
+def test_an_engine_that_ran_before_runs_the_same() -> None:
+    """Give the same bits after runs of another rig with other settings, and after a failure."""
+    engine, stamps = PyBullet(), STAMPS[:200]
+    alone = run(stamps=stamps)
+    engine.run(SMALL, MOTION, START, stamps, parameters=PyBulletParameters(linear_damping=0.1, solver_iterations=30))
+    with pytest.raises(EngineFailure):
+        engine.run(PAPER, MOTION, State(25.0, 0.0), STAMPS)
+    again = engine.run(PAPER, MOTION, START, stamps)
+    assert np.array_equal(again.trajectory.position, alone.trajectory.position)
+    assert np.array_equal(again.rolled_angle, alone.rolled_angle)
+    assert again.health == alone.health
+
+
+def test_an_engine_takes_its_client_with_it() -> None:
     """Leave no physics server behind, neither after a run nor after a failure."""
+    gc.collect()
     first = pybullet.connect(pybullet.DIRECT)
     pybullet.disconnect(first)
     run(stamps=STAMPS[:20])
     failure_of(start=State(25.0, 0.0))
+    gc.collect()  # the failure's traceback holds on to the engine
     again = pybullet.connect(pybullet.DIRECT)
     pybullet.disconnect(again)
     assert again == first

@@ -10,7 +10,7 @@ from harness.identify.fit import INFLATION, fit
 from harness.identify.forecast import forecast
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.prepare import record_of
-from harness.identify.verify import KNOWN, _windows
+from harness.identify.verify import KNOWN, windows
 from tests.identify.conftest import Posed
 
 
@@ -32,7 +32,7 @@ def test_a_forecast_follows_the_truth_within_its_band(plain: Posed) -> None:
 def test_windows_tile_what_is_predicted() -> None:
     """Cut the time after the known part into windows that join and end within the recording."""
     time = np.arange(0.0, 16.005, 0.01)
-    found = _windows(time)
+    found = windows(time)
     assert found[-1] == ("whole", KNOWN, time[-1] + 1.0)
     for name in {name for name, *_ in found[:-1]}:
         each = [(first, last) for other, first, last in found if other == name]

@@ -59,7 +59,7 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...])
     """Read starts as effects with values, within bounds, a phase a recording and a node a number; and back."""
     hypothesis = Hypothesis(names, BENT)
     known = dict.fromkeys(hypothesis.parameters, 0.01)
-    (start,) = hypothesis.starts(plain.problem, known)
+    (start,) = hypothesis.starts(plain.problem, known, 1e-5)
     low, high = hypothesis.bounds(plain.problem)
     assert len(start) == len(low) == len(high) == hypothesis.size(plain.problem)
     assert np.all((low <= start) & (start <= high))

@@ -16,8 +16,7 @@ from harness.engines.health import Failure
 from harness.engines.protocol import EngineParameters
 from harness.errors import EngineFailure
 from harness.recording import load_case
-from harness.report import render_comparison
-from harness.report.comparison import SECTIONS
+from harness.report.comparison import SECTIONS, render_comparison
 from harness.report.palette import label_of
 from harness.tolerances import Checked
 from tests.recording.simulated import simulated, write

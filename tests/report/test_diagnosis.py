@@ -12,18 +12,26 @@ from harness.commands.diagnose import as_record
 from harness.compare.setting import ball_of
 from harness.identify.fit import fit
 from harness.identify.hypothesis import Hypothesis
+from harness.identify.independence import SIGNIFICANT
 from harness.identify.prepare import problem_of
 from harness.identify.select import Entry
 from harness.identify.shape import Depends, blank, visited
 from harness.identify.trace import trace
-from harness.identify.verdict import Diagnosis, Finding, Verdict
-from harness.identify.verify import held_out, on_identify
+from harness.identify.verdict import Another, Diagnosis, Finding, Verdict
+from harness.identify.verify import held_out, on_identify, splits
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.virtual_rig import Experiment, write_case
 
 NAME = "rolling_resistance"
 EXPERIMENT = Experiment(hidden={NAME: {"coefficient": 0.004}}, duration=8.0, seed=1, predict=0)
+# As `engine_errors` gives them, one engine failing with the effect in it.
+GOOD = {"rms_m": {"1 s": 0.0123, "whole": 0.456}}
+FAILED = {"rms_m": {}, "failed": "mujoco: the ball left the rails at 3.2 s"}
+ENGINES = {
+    "mujoco": {"before": GOOD, "after": FAILED, "heldout": {"before": GOOD, "after": FAILED}},
+    "pybullet": {"before": GOOD, "after": GOOD, "heldout": {"before": GOOD, "after": GOOD}},
+}
 
 
 @pytest.fixture(scope="module")
@@ -43,9 +51,11 @@ def diagnosis(case):
     value, deviation = found.values()[NAME, "coefficient"], found.deviations()[NAME, "coefficient"]
     values = {"coefficient": (value, value - 2.0 * deviation, value + 2.0 * deviation, "1")}
     ledger = (
-        Entry(NAME, (), base.bic - found.bic, True, "predicts better", found),
-        Entry("level_error", (), base.bic - rival.bic, False, "less than rolling_resistance", rival),
+        Entry(NAME, (), base.score - found.score, True, "predicts better", found, base),
+        Entry("level_error", (), base.score - rival.score, False, "less than rolling_resistance", rival, base),
     )
+    held = splits(problem, base, found)
+    also = Another(on_identify(problem, base, found, lambda _: None), {})
     return Diagnosis(
         problem=problem,
         verdict=Verdict.EFFECT,
@@ -54,16 +64,23 @@ def diagnosis(case):
         found=found,
         ledger=ledger,
         identify=on_identify(problem, base, found, lambda _: None),
-        heldout=held_out(problem, base, found, lambda _: None),
-        engines={},
+        heldout=held_out(held),
+        engines=ENGINES,
+        also={"swing.csv": also},
         unseen=("track_bump",),
     )
 
 
 @pytest.fixture(scope="module")
-def html(diagnosis, case):
+def record(diagnosis, case):
+    """What is written to diagnosis.json."""
+    return as_record(diagnosis, case, 1.0)
+
+
+@pytest.fixture(scope="module")
+def html(diagnosis, record, case):
     """The page."""
-    return render_diagnosis(diagnosis, as_record(diagnosis, case, 1.0), case, command="harness diagnose rolling")
+    return render_diagnosis(diagnosis, record, case, command="harness diagnose rolling")
 
 
 def test_it_opens_offline(html):
@@ -74,7 +91,7 @@ def test_it_opens_offline(html):
 def test_the_first_screen_says_what_was_missing(html, diagnosis):
     """Say the verdict in words, before the first picture, with the value that was put in."""
     top = html[: html.index("<figure>")]
-    assert re.search(r"Rolling resistance \(coefficient = 0\.00(39|40)\d* ± \S+\) was missing", top)
+    assert re.search(r"A rolling resistance of 0\.00(39|40)\d* ± \S+ was missing", top)
     assert "the held-out error falls from" in top
     assert "simulated data" in top
 
@@ -88,18 +105,45 @@ def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     assert cells == pytest.approx([value, low, high], abs=0.1 * (high - low))  # the width is printed with two digits
 
 
-def test_every_attempt_is_in_the_ledger(html, diagnosis):
-    """List what was tried, and set apart what was kept."""
+def test_errors_stand_by_source_and_horizon(html):
+    """Print CAM and both engines before and after, a dash and the message where one failed, and where effects enter."""
+    part = html[html.index('id="errors"') :]
+    tables = [
+        part[part.index(f"<caption>{name}") :].split("</table>")[0] for name in ("Held out", "Found from", "Also")
+    ]
+    for table in tables[:2]:
+        heads = re.findall(r"<th scope=\"col\".*?>(.*?)</th>", table)
+        assert heads == [
+            "RMS error over", "CAM, before", "after", "MuJoCo, before", "after", "PyBullet, before", "after"
+        ]  # fmt: skip
+        row = next(row for row in table.split("</tr>") if "windows of 1 s" in row)
+        assert [cell.split(">")[-1] for cell in row.split("</td>")[2:6]] == ["12.3 mm", "—", "12.3 mm", "12.3 mm"]
+    assert "swing.csv" in tables[2]
+    assert part.count("the ball left the rails at 3.2 s") == 1
+    assert re.search(r"<dt>rolling resistance</dt><dd>force on the ball</dd>", part)
+
+
+def test_innovations_no_longer_know_the_angle(html, diagnosis):
+    """Print p of the angle, which resistance left in the innovations and the found one takes out of them."""
+    assert diagnosis.heldout.before.beam["angle"].p < SIGNIFICANT < diagnosis.heldout.after.beam["angle"].p
+    row = html[html.index("independent of α: p") :].split("</tr>")[0]
+    assert f"{diagnosis.heldout.after.beam['angle'].p:.2f}" in row
+
+
+def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
+    """List what was tried under its hash, and set apart what was kept."""
     table = html[html.index('id="ledger"') : html.index('id="inputs"')]
     rows = re.findall(r'<tr class="(\w*)">.*?</tr>', table)
     assert rows == ["best" if one.kept else "" for one in diagnosis.ledger]
     assert all(one.because in table for one in diagnosis.ledger)
+    hashes = [line["hash"] for line in record["ledger"]]
+    assert all(f"<code>{one[:8]}</code>" in table for one in hashes)
 
 
 def test_rivals_are_weighed(html, diagnosis):
     """A tilt that nobody levelled is no rival to a resistance."""
     table = html[html.index('id="rivals"') : html.index('id="ledger"')]
-    behind = diagnosis.ledger[1].fit.bic - diagnosis.found.bic
+    behind = diagnosis.ledger[1].fit.score - diagnosis.found.score
     assert f"{behind:.1f}" in table
     assert re.search(r"level_error.*<td class=\"text\">yes</td>", table)
 
@@ -146,10 +190,10 @@ def test_no_finding_needs_no_table(diagnosis, case):
 def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
     curve = blank(Depends.POSITION, False, *visited(diagnosis.problem, Depends.POSITION))
-    found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density, quick=True)
-    entry = Entry("curve of position", (), diagnosis.base.bic - found.bic, True, "gains", found)
+    found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
+    entry = Entry("curve of position", (), diagnosis.base.bic - found.bic, True, "gains", found, diagnosis.base)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=(*diagnosis.ledger, entry))
     page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0), case)
-    assert "a force that depends on position" in page
+    assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the curve") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(curve.nodes)

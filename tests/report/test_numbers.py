@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from harness.report.numbers import aligned, brief, fixed, length, number, percent, plus_minus
+from harness.report.numbers import aligned, brief, fixed, length, measured, number, percent, plus_minus
 
 
 @pytest.mark.parametrize(
@@ -52,6 +52,25 @@ def test_deviation_sets_the_decimals():
     """Print a deviation with two digits and the value with as many decimals."""
     assert plus_minus(37.853, 8.123) == "37.9 ± 8.1"
     assert plus_minus(0.1234567, 0.00045) == "0.12346 ± 0.00045"
+
+
+@pytest.mark.parametrize(
+    ("value", "reach", "text"),
+    [
+        (0.0041234, 0.000234, "0.00412 ± 0.00023"),
+        (0.0041234, 0.000361, "0.0041 ± 0.0004"),
+        (0.0041234, 0.00098, "0.0041 ± 0.0010"),
+        (12.0, 0.95, "12.0 ± 1.0"),
+        (-0.14321, 0.0021, "−0.1432 ± 0.0021"),
+        (1234.0, 87.0, "1230 ± 90"),
+        (0.0, 0.002, "0.0000 ± 0.0020"),
+        (37.85, math.nan, "37.9"),
+        (37.85, 0.0, "37.9"),
+    ],
+)
+def test_a_reach_keeps_one_or_two_digits(value, reach, text):
+    """Cut value and reach at the same place: two digits of the reach up to 354, one up to 949, then two of 1000."""
+    assert measured(value, reach) == text
 
 
 def test_no_deviation_is_no_zero():

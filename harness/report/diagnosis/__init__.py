@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 from harness.identify.verdict import Diagnosis
+from harness.parallel import on_all_cores
 from harness.recording import Case
-from harness.report.diagnosis import curve, errors, inputs, ledger, rivals, trace, verdict
+from harness.report.diagnosis import curve, errors, experiment, inputs, ledger, rivals, trace, verdict, yardsticks
 from harness.report.diagnosis.account import Account
 from harness.report.page import Badge, Section, render_page
 
 SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
     verdict.section,
-    errors.section,
     trace.section,
     curve.section,
+    errors.section,
+    yardsticks.section,
     rivals.section,
+    experiment.section,
     ledger.section,
     inputs.section,
 )
 """In the order of the page; a section that has nothing to say is `None`."""
 
 
-def render_diagnosis(diagnosis: Diagnosis, record: Mapping[str, object], case: Case, *, command: str = "") -> str:
+def render_diagnosis(
+    diagnosis: Diagnosis, record: Mapping[str, object], case: Case, *, command: str = "", replay: str = ""
+) -> str:
     """The diagnosis report as HTML text.
 
     Args:
@@ -30,12 +36,13 @@ def render_diagnosis(diagnosis: Diagnosis, record: Mapping[str, object], case: C
         record: as written to diagnosis.json.
         case: what was handed in.
         command: what repeats the diagnosis; empty if it is not known.
+        replay: what replays its ledger; likewise.
     """
-    account = Account(diagnosis, record, case, command)
-    sections = [made for section in SECTIONS if (made := section(account)) is not None]
+    account = Account(diagnosis, record, case, command, replay)
+    made = on_all_cores([partial(section, account) for section in SECTIONS])
     return render_page(
         f"Ball and beam: diagnosis of {account.case_name}",
-        sections,
+        [section for section in made if section is not None],
         subtitle=account.subtitle,
         badges=[Badge("simulated data", "warning")] if account.simulated else [],
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from harness.ball_state import BallEstimate
 from harness.compare.setting import ball_of
 from harness.identify.problem import Record
 from harness.identify.trace import Trace, trace
@@ -27,12 +28,14 @@ class Account:
         record: as written to diagnosis.json.
         case: what was handed in.
         command: what repeats it.
+        replay: what replays its ledger; both empty if not known.
     """
 
     diagnosis: Diagnosis
     record: Mapping[str, object]
     case: Case
     command: str
+    replay: str = ""
 
     @property
     def simulated(self) -> bool:
@@ -41,8 +44,8 @@ class Account:
 
     @property
     def measured(self) -> str:
-        """What the recordings are to be called: `measured` or `simulated`."""
-        return "simulated recording" if self.simulated else "measured"
+        """What the recordings are to be called."""
+        return "simulated recording" if self.simulated else "recorded"
 
     @property
     def case_name(self) -> str:
@@ -61,8 +64,7 @@ class Account:
     @property
     def changed(self) -> bool:
         """Whether anything was found that acts."""
-        hypothesis = self.diagnosis.found.hypothesis
-        return bool(hypothesis.names) or hypothesis.shape is not None
+        return bool(self.diagnosis.findings) or self.diagnosis.found.hypothesis.shape is not None
 
     @property
     def shown(self) -> Record:
@@ -73,10 +75,11 @@ class Account:
     def traces(self) -> tuple[Trace, ...]:
         """What is missing in each recording."""
         problem, found = self.diagnosis.problem, self.diagnosis.found
-        return tuple(
-            trace(problem, found, one, ball_of(self.case, self.case.recordings[one.name], one.drive, problem.rig))
-            for one in problem.records
-        )
+        return tuple(trace(problem, found, one, self.ball(one)) for one in problem.records)
+
+    def ball(self, record: Record) -> BallEstimate:
+        """The ball's state in one of the recordings, as measured."""
+        return ball_of(self.case, self.case.recordings[record.name], record.drive, self.diagnosis.problem.rig)
 
     @cached_property
     def force(self) -> float:

@@ -1,19 +1,30 @@
-"""The curve of a law that no catalogue lists."""
+"""The curve of a law that no catalogue lists, over what the model leaves."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from analytic.motion import FloatArray
+from analytic.rig import Rig
+from harness.identify.depends import depends_on
 from harness.identify.fit import INFLATION
+from harness.identify.problem import Record
+from harness.identify.sentence import DEPENDENCES
 from harness.identify.shape import Depends, Shape
-from harness.report.diagnosis.account import FOUND, Account
+from harness.identify.trace import Trace, trace
+from harness.report.diagnosis.account import FOUND, MODEL, Account
+from harness.report.diagnosis.trace import LEFT
 from harness.report.numbers import number
 from harness.report.page import Section
 from harness.report.palette import INK
-from harness.report.plots import WIDTH, Picture, band, picture, style
+from harness.report.plots import WIDTH, Picture, band, binned, frame, picture, sample, style
 from harness.report.tables import Column, Row, Table
 
+_DOTS = 2000  # more only blacken the picture
+_ROLLS = 0.03  # from which on the sign of the velocity is sure [m/s]
 _ABSCISSA = {  # name, unit, factor to it
     Depends.POSITION: ("position $s$", "m", 1.0),
     Depends.VELOCITY: (r"velocity $\dot s$", "m/s", 1.0),
@@ -30,35 +41,99 @@ def section(account: Account) -> Section | None:
         return None
     reach = 1.96 * INFLATION * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
     factor = 1.0 if shape.friction else 1e3 * account.diagnosis.problem.rig.mass
+    first, *others = depends_on(account.diagnosis.found, account.diagnosis.ledger)
     context = {
         "friction": shape.friction,
-        "depends": str(shape.depends).replace("_", " "),
-        "picture": _picture(shape, factor, reach),
+        "depends": DEPENDENCES[first],
+        "others": [DEPENDENCES[one] for one in others],
+        "picture": _picture(account, shape, factor, reach),
         "table": _table(shape, factor, reach),
     }
     return Section("curve", "The law that no catalogue lists", "Curve", "diagnosis/curve.html", context)
 
 
-def _picture(shape: Shape, factor: float, reach: np.ndarray) -> Picture:
+def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -> Picture:
     name, unit, scale = _ABSCISSA[shape.depends]
+    where, left = _left(account, shape)
     with style():
-        figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
         axes = figure.add_subplot()
         x, y = scale * shape.places, factor * shape.nodes
+        thin = slice(None, None, max(1, len(where) // _DOTS))
+        axes.plot(
+            scale * where[thin],
+            factor * left[thin],
+            ".",
+            color=MODEL.colour,
+            alpha=0.3,
+            markersize=3,
+            markeredgewidth=0,
+            rasterized=True,
+        )
+        inside = (where >= shape.places[0]) & (where <= shape.places[-1])
+        centre, mean, error = binned(scale * where[inside], factor * left[inside])
+        axes.errorbar(centre, mean, yerr=error, color=INK, marker="o", markersize=3.5, linewidth=1.0, zorder=4)
         band(axes, x, y - factor * reach, y + factor * reach)
         axes.plot(x, y, color=FOUND.colour, marker="o", markersize=4.5, linewidth=1.6, zorder=5)
         axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
+        low, high = np.percentile(factor * left[inside], (2.0, 98.0))
+        frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
+        axes.set_xlim(x[0], x[-1])
         axes.set_xlabel(f"{name} [{unit}]")
         axes.set_ylabel("added to the coefficient\nof dry friction [1]" if shape.friction else "force on the ball [mN]")
-        alt = f"The unlisted {'friction' if shape.friction else 'force'} as a function of {shape.depends}."
+        looks = (LEFT, replace(FOUND, label="the curve"))
+        figure.legend(handles=[sample(look, look.label) for look in looks], loc="outside upper left", ncols=2)
+        alt = f"The unlisted {'friction' if shape.friction else 'force'} as a function of {DEPENDENCES[shape.depends]}."
         caption = (
             "The curve that predicts the recordings best, linear between twelve nodes spread over what they visit, "
-            "with 95 % intervals of the nodes (grey)."
+            "with 95 % intervals of the nodes (grey). Below it what the model leaves, estimated from the recordings "
+            "alone, and in black the means of its bins with their standard errors."
         )
         return picture(figure, alt, caption)
 
 
-def _table(shape: Shape, factor: float, reach: np.ndarray) -> Table:
+def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
+    """What the model with the listed effects leaves, in the unit of the nodes, and where; trusted readings only."""
+    diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
+    listed = replace(diagnosis.found, best=replace(diagnosis.found.best, shape=None))
+    wheres, lefts = [], []
+    for record, seen in zip(diagnosis.problem.records, account.traces, strict=True):
+        explained = trace(diagnosis.problem, listed, record, account.ball(record)).law
+        where = _along(shape, record, seen, diagnosis.problem.rig)
+        left, use = (seen.residual - explained) / k, seen.trusted
+        if shape.friction:
+            normal = _normal(record, seen, diagnosis.problem.rig)
+            use = use & (np.abs(seen.velocity) > _ROLLS) & (normal > 0.0)
+            left = -np.sign(seen.velocity) * left / np.where(normal > 0.0, normal, 1.0)
+        wheres.append(where[use])
+        lefts.append(left[use])
+    return np.concatenate(wheres), np.concatenate(lefts)
+
+
+def _along(shape: Shape, record: Record, seen: Trace, rig: Rig) -> FloatArray:
+    """What the curve depends on, at the stamps of a recording."""
+    match shape.depends:
+        case Depends.POSITION:
+            return seen.position
+        case Depends.VELOCITY:
+            return seen.velocity
+        case Depends.ANGLE:
+            return seen.angle
+        case Depends.ROLL_ANGLE:
+            return ((seen.position - record.origin) / rig.rolling_radius) % (2.0 * np.pi)
+        case Depends.TIME:
+            return seen.time
+
+
+def _normal(record: Record, seen: Trace, rig: Rig) -> FloatArray:
+    """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
+    angle, rate, angular = record.drive.states.T
+    arm = rig.eccentricity + rig.rolling_radius
+    turning = 2.0 * seen.velocity * rate + seen.position * angular + arm * rate**2
+    return np.asarray(rig.gravity * np.cos(angle) - turning)
+
+
+def _table(shape: Shape, factor: float, reach: FloatArray) -> Table:
     _, unit, scale = _ABSCISSA[shape.depends]
     columns = [
         Column(str(shape.depends).replace("_", " "), unit),

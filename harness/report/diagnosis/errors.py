@@ -1,73 +1,125 @@
-"""Before and after: errors by horizon, on data that found the effects and on data that did not."""
+"""Before and after: errors by horizon of CAM and of the engines, and what innovations still know."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.identify.verify import KNOWN, Errors
+from harness.identify.in_engines import entries
+from harness.identify.independence import SIGNIFICANT
+from harness.identify.sentence import error_size, words
+from harness.identify.verify import KNOWN, Comparison, Errors
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import NONE, brief, fixed, length, number
+from harness.report.numbers import NONE, brief, fixed, number
 from harness.report.page import Section
 from harness.report.plots import WIDTH, Picture, picture, plain_log, style
 from harness.report.tables import Column, Row, Table
 
+_ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
+_INPUTS = {"angle": "α", "rate": "α̇", "acceleration": "α̈"}
+
+Engines = Mapping[str, Mapping[str, Any]]
+
 
 def section(account: Account) -> Section:
     """Errors before and after."""
-    several = len(account.diagnosis.problem.records) > 1
+    diagnosis = account.diagnosis
+    several = len(diagnosis.problem.records) > 1
+    held = {name: one["heldout"] for name, one in diagnosis.engines.items() if "heldout" in one}
+    tables = [
+        _table(account, "Held out", diagnosis.heldout, held),
+        _table(account, "Found from", diagnosis.identify, diagnosis.engines),
+    ]
+    for name, one in diagnosis.also.items():
+        tables.append(_table(account, f"Also {name}, which nothing was fitted to", one.errors, one.engines))
     context = {
         "split": "each recording in turn, with values fitted to the others"
         if several
         else "each half of the recording, with values fitted to the other",
         "known": brief(KNOWN),
+        "changed": account.changed,
         "picture": _picture(account),
-        "table": _table(account),
+        "tables": tables,
+        "enter": [(words(name), place) for name, place in entries(diagnosis.found).items()],
+        "failures": _failures(account),
+        "innovations": _innovations(account),
+        "significant": brief(SIGNIFICANT),
     }
     return Section("errors", "Errors before and after", "Errors", "diagnosis/errors.html", context)
 
 
-def _columns(account: Account) -> tuple[Errors, ...]:
-    held, identify = account.diagnosis.heldout, account.diagnosis.identify
-    return held.before, held.after, identify.before, identify.after
+def _whens(account: Account) -> tuple[str, ...]:
+    """Where nothing was found, there is no after."""
+    return ("before", "after") if account.changed else ("before",)
 
 
-def _horizons(account: Account) -> list[str]:
-    return list(dict.fromkeys(name for one in _columns(account) for name in one.rms))
+def _heads(account: Account, names: Iterable[str]) -> list[Column]:
+    """One column or two a name."""
+    if not account.changed:
+        return [Column(name, apart=True) for name in names]
+    return [column for name in names for column in (Column(f"{name}, before", apart=True), Column("after"))]
 
 
-def _table(account: Account) -> Table:
-    each = _columns(account)
-    columns = [
-        Column("RMS error over", text=True),
-        Column("held out, before"),
-        Column("held out, after"),
-        Column("found from, before", apart=True),
-        Column("found from, after"),
-    ]
+def _table(account: Account, caption: str, cam: Comparison, engines: Engines) -> Table:
+    sources: list[Mapping[str, Mapping[str, float]]] = [{"before": cam.before.rms, "after": cam.after.rms}]
+    sources += [{when: one[when]["rms_m"] for when in ("before", "after")} for one in engines.values()]
+    names = ["CAM", *(_ENGINES.get(one, one) for one in engines)]
+    columns = [Column("RMS error over", text=True), *_heads(account, names)]
+    rows = []
+    for horizon in dict.fromkeys(name for one in (cam.before, cam.after) for name in one.rms):
+        cells = [each[when].get(horizon) for each in sources for when in _whens(account)]
+        rows.append(Row((_title(horizon), *(NONE if cell is None else error_size(cell) for cell in cells))))
+    return Table(caption, columns, rows)
+
+
+def _title(horizon: str) -> str:
+    return f"the rest, from the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
+
+
+def _failures(account: Account) -> list[str]:
+    """What engines said that failed, each message once."""
+    diagnosis = account.diagnosis
+    sets = [diagnosis.engines, *(one.engines for one in diagnosis.also.values())]
+    runs = [run for each in sets for one in each.values() for run in (one, one.get("heldout", {}))]
+    failed = [run[when]["failed"] for run in runs for when in ("before", "after") if "failed" in run.get(when, {})]
+    return list(dict.fromkeys(failed))
+
+
+def _innovations(account: Account) -> Table:
+    diagnosis = account.diagnosis
+    named = {"held out": diagnosis.heldout, "found from": diagnosis.identify}
+    named |= {f"also {Path(name).name}": one.errors for name, one in diagnosis.also.items()}
+    columns = [Column("of the innovations", text=True), *_heads(account, named)]
+    each: list[Errors] = [getattr(one, when) for one in named.values() for when in _whens(account)]
     rows = [
-        Row((_title(name), *(length(one.rms[name]) if name in one.rms else NONE for one in each)))
-        for name in _horizons(account)
+        Row(("size over the reading's noise", *(number(one.ratio) for one in each))),
+        Row(("correlation of neighbours", *(fixed(one.whiteness, 3) for one in each))),
     ]
-    rows.append(Row(("innovations over the reading's noise", *(number(one.ratio) for one in each))))
-    rows.append(Row(("correlation of neighbouring innovations", *(fixed(one.whiteness, 3) for one in each))))
-    return Table("Errors of predicted positions", columns, rows)
+    for key, symbol in _INPUTS.items():
+        tests = [one.beam.get(key) for one in each]
+        rows.append(
+            Row((f"independent of {symbol}: p", *(NONE if t is None or not t.freedom else _chance(t.p) for t in tests)))
+        )
+    return Table("What innovations still know", columns, rows)
 
 
-def _title(name: str) -> str:
-    return f"the rest, from the first {brief(KNOWN)} s" if name == "whole" else f"windows of {name}"
+def _chance(p: float) -> str:
+    return "< 0.0001" if p < 1e-4 else fixed(p, 4 if p < SIGNIFICANT else 2)
 
 
 def _picture(account: Account) -> Picture:
-    names = _horizons(account)
+    held, identify = account.diagnosis.heldout, account.diagnosis.identify
+    names = list(dict.fromkeys(name for one in (held.before, identify.before) for name in one.rms))
     places = np.arange(len(names))
     lines: list[tuple[str, Mapping[str, float], str, str, str]] = []
-    held, identify = account.diagnosis.heldout, account.diagnosis.identify
-    for kind, both, style_, marker in (("held out", held, "-", "o"), ("found from", identify, ":", "s")):
-        lines.append((f"{kind}, before", both.before.rms, MODEL.colour, style_, marker))
-        lines.append((f"{kind}, after", both.after.rms, FOUND.colour, style_, marker))
+    for kind, both, dash, marker in (("held out", held, "-", "o"), ("found from", identify, ":", "s")):
+        lines.append((f"{kind}, before" if account.changed else kind, both.before.rms, MODEL.colour, dash, marker))
+        if account.changed:
+            lines.append((f"{kind}, after", both.after.rms, FOUND.colour, dash, marker))
     with style():
         figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
         axes = figure.add_subplot()
@@ -81,5 +133,5 @@ def _picture(account: Account) -> Picture:
         axes.set_xlabel("predicted ahead")
         axes.set_ylabel("RMS error [mm]")
         figure.legend(loc="outside right upper")
-        caption = "RMS error of predicted positions by how far they are predicted ahead; logarithmic."
+        caption = "RMS error of the positions that CAM predicts, by how far they are predicted ahead; logarithmic."
         return picture(figure, caption, caption)

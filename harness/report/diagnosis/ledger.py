@@ -11,17 +11,25 @@ from harness.report.tables import Column, Row, Table
 def section(account: Account) -> Section:
     """The ledger."""
     ledger = account.diagnosis.ledger
-    context = {"attempts": len(ledger), "kept": sum(one.kept for one in ledger), "table": _table(account)}
+    context = {
+        "attempts": len(ledger),
+        "kept": sum(one.kept for one in ledger),
+        "table": _table(account),
+        "replay": account.replay,
+    }
     return Section("ledger", "Ledger", "Ledger", "diagnosis/ledger.html", context)
 
 
 def _table(account: Account) -> Table:
+    lines = account.record.get("ledger")
+    hashes = [str(line["hash"]) for line in lines] if isinstance(lines, list) else []
     columns = [
         Column("tried", text=True),
         Column("beside", text=True),
-        Column("gain", "BIC", hint="how much lower the BIC is than without it"),
+        Column("gain", hint="how much lower the criterion is than without it"),
         Column("kept", text=True),
         Column("because", text=True),
+        Column("hash", text=True, hint="of the attempt in diagnosis.json, first eight digits"),
     ]
     rows = [
         Row(
@@ -31,9 +39,10 @@ def _table(account: Account) -> Table:
                 fixed(one.gain, 1),
                 "kept" if one.kept else "",
                 one.because,
+                f"`{hashed[:8]}`",
             ),
             "best" if one.kept else "",
         )
-        for one in account.diagnosis.ledger
+        for one, hashed in zip(account.diagnosis.ledger, hashes, strict=True)
     ]
     return Table("Every attempt", columns, rows)

@@ -50,16 +50,21 @@ def _of_curve(account: Account) -> list[Table]:
 
 
 def _table(account: Account, caption: str, others: list[Entry]) -> Table:
-    best = account.diagnosis.found.bic
+    """Beside a curve the BIC decides, else the scaled one (`Fit.score`)."""
+    found = account.diagnosis.found
+    curve = found.hypothesis.shape is not None
+
+    def behind(one: Entry) -> float:
+        return one.fit.bic - found.bic if curve else one.fit.score - found.score
+
     columns = [
         Column("instead", text=True),
         Column("numbers", hint="fitted numbers"),
-        Column("BIC above what was found"),
+        Column(f"{'BIC' if curve else 'scaled BIC'} above what was found"),
         Column("told apart", text=True),
     ]
     rows = []
-    for one in sorted(others, key=lambda one: one.fit.bic)[:_MOST]:
-        behind = one.fit.bic - best
-        told = "yes" if behind >= RIVAL else "no"
-        rows.append(Row((f"`{one.effect}`", str(len(one.fit.numbers)), fixed(behind, 1), told)))
+    for one in sorted(others, key=behind)[:_MOST]:
+        told = "yes" if behind(one) >= RIVAL else "no"
+        rows.append(Row((f"`{one.effect}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
     return Table(caption, columns, rows)

@@ -8,11 +8,14 @@ from matplotlib.figure import Figure
 
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
+from harness.identify import proposal
 from harness.identify.forecast import Forecast, forecast
-from harness.identify.verdict import sentence
+from harness.identify.independence import SIGNIFICANT
+from harness.identify.sentence import error_size, sentence, words
+from harness.identify.verdict import RIVAL
 from harness.identify.verify import KNOWN
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import NONE, brief, length, number
+from harness.report.numbers import NONE, brief, number
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
 from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning
@@ -24,20 +27,61 @@ _REACH = 3.0  # times the largest error: a wider band would leave no room for th
 def section(account: Account) -> Section:
     """The verdict."""
     context = {
-        "sentence": _in_words(account),
+        "sentence": sentence(account.diagnosis),
+        "glance": _glance(account),
         "found": _found(account) if account.diagnosis.findings else None,
         "unseen": account.diagnosis.unseen,
+        "hidden": account.diagnosis.hidden,
         "picture": _before_after(account),
     }
     return Section("verdict", "Verdict", "Verdict", "diagnosis/verdict.html", context)
 
 
-def _in_words(account: Account) -> str:
-    """The verdict, with the names of effects as words."""
-    text = sentence(account.diagnosis)
-    for name in (*(one.name for one in account.diagnosis.findings), *account.diagnosis.unseen):
-        text = text.replace(name, name.replace("_", " "))
-    return text
+def _glance(account: Account) -> list[tuple[str, str, str]]:
+    """What the page says further down, in a few words: the anchor, its name, the words."""
+    diagnosis = account.diagnosis
+    said = []
+    if account.changed:
+        said.append(("rivals", "Rivals", _nearest(account)))
+    said.append(("errors", "Innovations", _independence(account)))
+    kept = sum(one.kept for one in diagnosis.ledger)
+    said.append(("ledger", "Ledger", f"{len(diagnosis.ledger)} attempts, {kept} kept when they were made"))
+    if diagnosis.next_experiment is not None:
+        said.append(("experiment", "Next experiment", words(proposal.sentence(diagnosis.next_experiment))))
+    return said
+
+
+def _nearest(account: Account) -> str:
+    """The effect or curve that comes closest to what was found with as many others beside it."""
+    found = account.diagnosis.found
+    size = len(found.hypothesis.names)
+    others = [
+        one
+        for one in account.diagnosis.ledger
+        if not one.kept
+        and one.fit.hypothesis != found.hypothesis
+        and len(one.fit.hypothesis.names) == size
+        and (one.fit.hypothesis.shape is None) == (found.hypothesis.shape is None)
+    ]
+    if not others:
+        return "nothing else was fitted in the same place"
+    curve = found.hypothesis.shape is not None
+    behind, nearest = min(
+        (one.fit.bic - found.bic if curve else one.fit.score - found.score, one.effect) for one in others
+    )
+    told = "told apart" if behind >= RIVAL else "not told apart"
+    return f"the nearest is {words(nearest)}, {number(behind)} behind in {'' if curve else 'scaled '}BIC: {told}"
+
+
+def _independence(account: Account) -> str:
+    """Whether held-out innovations still know the beam's motion."""
+    tests = account.diagnosis.heldout.after.beam
+    if not any(one.freedom for one in tests.values()):
+        return "too few readings to test"
+    least = min(one.p for one in tests.values())
+    size = number(account.diagnosis.heldout.after.ratio)
+    knows = "independent of" if least >= SIGNIFICANT else "not independent of"
+    return f"{size} times the reading's noise, {knows} the beam's motion (p = {brief(least, 2)} at least), held out"
 
 
 def _found(account: Account) -> Table:
@@ -60,7 +104,7 @@ def _found(account: Account) -> Table:
             interval = f"{number(low, digits)} … {number(high, digits)}"
             cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
             rows.append(Row(cells, "best" if first else ""))
-    return Table("What was missing", columns, rows)
+    return Table("What was missing (± above are halves of these intervals)", columns, rows)
 
 
 def _digits(value: float, width: float) -> int:
@@ -133,4 +177,4 @@ def _panel(
 
 def _error(one: Forecast, reading: FloatArray, judged: np.ndarray) -> str:
     misses = (one.position - reading)[judged & np.isfinite(reading)]
-    return length(float(np.sqrt(np.mean(misses**2)))) if misses.size else NONE
+    return error_size(float(np.sqrt(np.mean(misses**2)))) if misses.size else NONE

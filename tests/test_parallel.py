@@ -1,0 +1,84 @@
+"""Jobs on all cores: results in order, errors passed on, and nothing left to hang where a process dies."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable
+
+import pytest
+
+from harness.errors import HarnessError, InputError
+from harness.parallel import meanwhile, on_all_cores
+
+
+@pytest.fixture(autouse=True)
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the machine has."""
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+
+
+def late(value: int) -> Callable[[], int]:
+    """A job whose function no pickle could carry, the sooner done the larger its value."""
+    return lambda: time.sleep(0.02 * (4 - value)) or value
+
+
+def test_results_come_in_the_order_of_jobs() -> None:
+    """Sort by job, not by when each was done, and count what is done."""
+    told: list[int] = []
+    assert on_all_cores([late(value) for value in range(4)], told.append) == [0, 1, 2, 3]
+    assert told == [1, 2, 3, 4]
+
+
+def test_nothing_to_do_is_done() -> None:
+    """Return no results of no jobs."""
+    assert on_all_cores([]) == []
+
+
+def test_jobs_run_beside_this_process_and_see_what_it_has() -> None:
+    """Run in another process that has the parent's objects, while the parent goes on."""
+    here = os.getpid()
+    with meanwhile([os.getpid, lambda: here]) as results:
+        assert here not in results()[:1]
+        assert results()[1] == here
+
+
+def test_an_error_of_a_job_is_passed_on() -> None:
+    """Raise what the job raised."""
+
+    def bad() -> int:
+        raise InputError("rec_02.csv: no positions")
+
+    with pytest.raises(InputError, match="rec_02"):
+        on_all_cores([late(0), bad, late(1)])
+
+
+def test_a_process_that_dies_is_told() -> None:
+    """End with a message instead of waiting for ever."""
+    with pytest.raises(HarnessError, match="a process ended"):
+        on_all_cores([late(0), lambda: os._exit(9)])
+
+
+def test_an_error_of_the_parent_ends_the_jobs() -> None:
+    """Wait for no job that has not begun when the block fails."""
+    begin = time.monotonic()
+    with pytest.raises(InputError), meanwhile([lambda: time.sleep(0.2)] * 20):
+        raise InputError("elsewhere")
+    # Two that run and, in their queue, three more: 3 rounds of 0.2 s; all twenty take 2 s.
+    assert time.monotonic() - begin < 1.5
+
+
+def _within(results: multiprocessing.SimpleQueue[bool]) -> None:
+    pids = on_all_cores([os.getpid, os.getpid])
+    results.put(pids == [os.getpid()] * 2)
+
+
+def test_one_of_several_processes_starts_no_more() -> None:
+    """Stay in this process where it shares the cores with others already."""
+    context = multiprocessing.get_context("fork")
+    results: multiprocessing.SimpleQueue[bool] = context.SimpleQueue()
+    process = context.Process(target=_within, args=(results,))
+    process.start()
+    assert results.get()
+    process.join()
