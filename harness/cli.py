@@ -130,6 +130,12 @@ def main() -> None:
       harness run                       the bundled, simulated recording of the paper's protocol
       harness run my_rig/               a folder with rig.toml and CSV recordings
       harness run swing.csv             one recording of the paper's rig
+      harness diagnose my_rig/          what the model lacks, by name and size
+      harness predict reports/my_rig/ my_rig/rec_03.csv
+      harness replay reports/my_rig/ my_rig/
+
+    Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
+    no, 2 bad use or bad input, 3 an engine failed.
     """
 
 
@@ -166,7 +172,8 @@ def main() -> None:
     "--level-angle",
     type=AngleType(),
     metavar="ANGLE|estimate",
-    help="Level angle α₀ [default: as in rig.toml; else 0, or estimated where the rig is not known].",
+    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated where the rig is not "
+    "known].",
 )
 @click.option(
     "--window",
@@ -232,8 +239,9 @@ def run(case: Path | None, **options: Any) -> None:
 def diagnose(case: Path, **options: Any) -> None:
     """Find what the model lacks: name the effect, its size and interval, and the error before and after.
 
-    CASE is a folder with rig.toml and CSV recordings, or a CSV file. Writes diagnosis.json and a prediction of every
-    recording that rig.toml lists to predict.
+    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
+    diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
+    next_experiment.csv, the beam angle [rad] to record next, where one would tell more. Values are in SI units.
 
     \b
     Examples:
@@ -259,8 +267,9 @@ def replay(diagnosis: Path, case: Path, **options: Any) -> None:
     DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything differs.
 
     \b
-    Example:
+    Examples:
       harness replay reports/my_rig/diagnosis.json my_rig/
+      harness replay reports/my_rig/ my_rig/ --refit
     """
     from harness.commands.replay import replay_case
 
@@ -279,10 +288,12 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the angle alone, with the model that a diagnosis found.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
-    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and a 95 % band.
+    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and the 95 % band
+    low_m, high_m.
 
     \b
-    Example:
+    Examples:
+      harness predict reports/my_rig/ my_rig/rec_03.csv
       harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
     """
     from harness.commands.predict import predict_recording

@@ -42,3 +42,31 @@ def test_kernel_moves_the_ball_as_the_plant_does(name: str) -> None:
     # (ω h)²/24 of a stretch of 40 µm at each reversal: 1 and 10 µm after 10 s.
     bound = 2e-5 if name == "presliding_hysteresis" else 3e-6
     assert np.max(np.abs(position - np.interp(TIME, truth.time, truth.position))) < bound
+
+
+@pytest.mark.parametrize("longest", [2.5e-3, 1e-4])
+@pytest.mark.parametrize(("grip", "rolling"), [(0.012, 0.002), (0.012, 0.004), (0.008, 0.004)])
+def test_a_ball_that_slides_is_also_resisted_in_rolling(grip: float, rolling: float, longest: float) -> None:
+    """Move alike where slipping and rolling resistance act at once, closer with shorter steps."""
+    values = {"contact_slip": {"friction_coefficient": grip}, "rolling_resistance": {"coefficient": rolling}}
+    truth = simulate(Plant(step=5e-5).with_effects(values), MOTION, State(0.36, 0.0), 10.0)
+    slides = np.abs(truth.slip) > 1e-9  # rounding leaves 1e-16
+    assert 0.4 < np.mean(slides) < 0.9
+    grid = Grid.over(TIME, longest)
+    vector = parameters_with(CAM, RIG, [acting(name, one) for name, one in values.items()])
+    position = integrate(grid, grid.tabulate(MOTION), vector, np.array([[0.36, 0.0]])).position[0]
+    # Where a ball that slides, or begins to just then, turns round within a step, the kernel lets the resistance go on
+    # as it was, c N/(m ι) in the slip the one way instead of the other. Friction moves ṡ − w/(1 + 1/ι) as little as
+    # the impulse of a bat its centre of percussion: that is wrong by 2 K c g h, and so is ṡ when the slip has ended. N
+    # is the weight to a percent; all else is as above.
+    turning = truth.spin - truth.rate
+    ends = truth.time[1:][(turning[1:] * turning[:-1] <= 0.0) & (slides[1:] | slides[:-1])]
+    assert len(ends)
+    step_left = 2.0 * RIG.rolling_ratio * rolling * RIG.gravity * longest
+    bound = 3e-6 + 1.01 * step_left * np.sum(TIME[-1] - ends)
+    assert np.max(np.abs(position - np.interp(TIME, truth.time, truth.position))) < bound
+    # Either law alone is elsewhere by more than the whole bound.
+    for name, one in values.items():
+        vector = parameters_with(CAM, RIG, [acting(name, one)])
+        alone = integrate(grid, grid.tabulate(MOTION), vector, np.array([[0.36, 0.0]])).position[0]
+        assert np.max(np.abs(alone - position)) > 10.0 * bound

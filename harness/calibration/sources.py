@@ -21,6 +21,7 @@ _MAKERS = (
 _AFTER = {
     "contest.py",
     "depends.py",
+    "diagnosis.py",
     "experiment.py",
     "forecast.py",
     "in_engines.py",
@@ -29,6 +30,7 @@ _AFTER = {
     "ledger.py",
     "profiles.py",
     "proposal.py",
+    "reconsider.py",
     "rehearsal.py",
     "replay.py",
     "sentence.py",

@@ -17,6 +17,7 @@ from analytic.motion import FloatArray
 from harness.calibration.sources import digest as code_digest
 from harness.errors import InputError
 from harness.identify.depends import depends_on
+from harness.identify.diagnosis import Diagnosis, diagnose
 from harness.identify.forecast import forecast
 from harness.identify.in_engines import entries
 from harness.identify.keep import model_record
@@ -24,7 +25,6 @@ from harness.identify.ledger import ledger_record
 from harness.identify.prepare import problem_of, record_of
 from harness.identify.proposal import FILE
 from harness.identify.sentence import sentence
-from harness.identify.verdict import Diagnosis, diagnose
 from harness.identify.verify import Comparison
 from harness.outputs import all_or_nothing, csv_text, report_folder, to_json
 from harness.progress import told_on_stderr

@@ -32,7 +32,7 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Margin:
-    """By how much one is better than another: difference of RMS errors, with a 95 % interval [m]."""
+    """By how much one is better than another: difference of RMS errors, with its interval [m]."""
 
     value: float
     low: float
@@ -60,17 +60,8 @@ class Contest:
         return float(_rms(self.misses[contender]))
 
     def margin(self, yardstick: str) -> Margin | None:
-        """By how much the model with what was found is better; `None` for too few windows.
-
-        The interval is a paired bootstrap's over windows (Efron and Tibshirani, An Introduction to the Bootstrap, 1993,
-        chapter 13): windows differ much more among themselves than contenders do on one window.
-        """
-        if self.windows < _LEAST:
-            return None
-        both = self.misses[yardstick], self.misses[AFTER]
-        drawn = np.random.default_rng(0).integers(self.windows, size=(_RESAMPLES, self.windows))
-        low, high = np.percentile(_rms(both[0][drawn]) - _rms(both[1][drawn]), (2.5, 97.5))
-        return Margin(float(_rms(both[0]) - _rms(both[1])), float(low), float(high))
+        """By how much the model with what was found is better; `None` for too few windows."""
+        return None if self.windows < _LEAST else margin(self.misses[yardstick], self.misses[AFTER])
 
     def won(self, yardstick: str) -> int:
         """Windows that the model with what was found predicts better."""
@@ -92,6 +83,20 @@ class Contest:
         }
 
 
+def margin(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margin:
+    """By how much errors of the same windows, shape (windows,) [m], are less `after`.
+
+    The interval is a paired bootstrap's over windows (Efron and Tibshirani, An Introduction to the Bootstrap, 1993,
+    chapter 13): windows differ much more among themselves than contenders do on one window.
+
+    Args:
+        chance: two-sided share of what the interval leaves out [1].
+    """
+    drawn = np.random.default_rng(0).integers(len(before), size=(_RESAMPLES, len(before)))
+    low, high = np.percentile(_rms(before[drawn]) - _rms(after[drawn]), (50.0 * chance, 100.0 - 50.0 * chance))
+    return Margin(float(_rms(before) - _rms(after)), float(low), float(high))
+
+
 def contest(held: Sequence[Split], progress: Progress = lambda _: None) -> Contest | None:
     """Let the model, before and after, and the yardsticks predict what was held out; `None` if that has no window.
 
@@ -104,10 +109,11 @@ def contest(held: Sequence[Split], progress: Progress = lambda _: None) -> Conte
         if not seen or not ahead:
             continue
         progress(f"yardsticks for {', '.join(record.name for record in split.left)}")
-        before = _missed(split.problem, split.base, seen, ahead)
+        before = missed(split.problem, for_horizon(split.problem, split.base, seen), ahead)
         same = split.found.hypothesis == split.base.hypothesis
         misses[BEFORE] += before
-        misses[AFTER] += before if same else _missed(split.problem, split.found, seen, ahead)
+        found = split.found if same else for_horizon(split.problem, split.found, seen)
+        misses[AFTER] += before if same else missed(split.problem, found, ahead)
         for name, yardstick in zip(YARDSTICKS, (fit_double_integrator(seen), fit_output_error(seen)), strict=True):
             misses[name] += [window.miss(yardstick.predict(window)) for window in ahead]
     if not misses[AFTER]:
@@ -115,9 +121,9 @@ def contest(held: Sequence[Split], progress: Progress = lambda _: None) -> Conte
     return Contest({name: np.array(each) for name, each in misses.items()})
 
 
-def _missed(problem: Problem, one: Fit, seen: Sequence[Window], ahead: Sequence[Window]) -> list[float]:
-    model = _for_horizon(problem, one, seen)
-    return [miss(problem, model, window) for window in ahead]
+def missed(problem: Problem, one: Fit, ahead: Sequence[Window]) -> list[float]:
+    """RMS error of the model in each window [m]."""
+    return [miss(problem, one, window) for window in ahead]
 
 
 def miss(problem: Problem, found: Fit, window: Window) -> float:
@@ -127,7 +133,7 @@ def miss(problem: Problem, found: Fit, window: Window) -> float:
     return window.miss(filtered(problem, found, window.record, reading).recorded[window.use])
 
 
-def _for_horizon(problem: Problem, found: Fit, seen: Sequence[Window]) -> Fit:
+def for_horizon(problem: Problem, found: Fit, seen: Sequence[Window]) -> Fit:
     """The same fit with the process noise that predicts the windows of its own recordings best."""
     tried = [found, *(replace(found, density=float(density)) for density in _DENSITIES)]
     return min(tried, key=lambda one: sum(miss(problem, one, window) ** 2 for window in seen))

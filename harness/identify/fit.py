@@ -21,10 +21,10 @@ from harness.identify.hypothesis import IMBALANCE, Hypothesis, Values, phase_of
 from harness.identify.innovations import penalty
 from harness.identify.problem import Problem
 
-# Standard errors from the curvature of the likelihood are this much too small, for the angle's error is not white as
-# the filter takes it to be: over 52 fits of 13 effects to recordings of the virtual rig (40,000 counts a turn) errors
-# were 1.7 of them RMS, and 1.96 × 1.8 covered 93 %. Differences of deviance are too large by the square of it.
-INFLATION = 2.0
+# Standard errors from the curvature of the likelihood are too small, for the angle's error is not white as the filter
+# takes it to be: a beam that rests is read wrong by one and the same part of a count. Intervals this much wider hold
+# the truth in 90 to 98 % of calibrated trials (docs/calibration.md); deviances are too large by the square of it.
+INFLATION = 1.75
 DENSITY = 1e-5  # where the search for the process noise begins [m²/s³]
 # The angle's error leaves no less than this share of what its draws give; a curve could follow all the rest.
 _LEAST_SHARE = 0.25
@@ -92,7 +92,7 @@ class Fit:
 
     def deviations(self) -> dict[tuple[str, str], float]:
         """Standard deviation of every (effect, parameter), from the curvature of the likelihood."""
-        return dict(zip(self.hypothesis.parameters, np.sqrt(np.diag(self.covariance)), strict=False))
+        return dict(zip(self.hypothesis.parameters, np.sqrt(np.diag(self.covariance).clip(min=0.0)), strict=False))
 
 
 def fit(

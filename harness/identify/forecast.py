@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.fit import Fit
+from harness.identify.fit import INFLATION, Fit
 from harness.identify.hypothesis import IMBALANCE
 from harness.identify.innovations import penalty
 from harness.identify.problem import Filtered, Problem, Record
@@ -57,7 +57,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     count = len(found.numbers)
     if count:
         scale = found.hypothesis.scale(problem)
-        root = np.linalg.cholesky(found.covariance / np.outer(scale, scale) + 1e-18 * np.eye(count))
+        root = INFLATION * np.linalg.cholesky(found.covariance / np.outer(scale, scale) + 1e-18 * np.eye(count))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(record.time))

@@ -209,7 +209,7 @@ def _starts(effect: Effect, problem: Problem) -> list[list[float]]:
         case "eccentric_pivot":
             return [[rig.eccentricity]]
         case "contact_slip":
-            return [[0.015], [0.03]]
+            return [[0.004], [0.008], [0.015], [0.03]]
         case "linkage_backlash":
             return [[0.002], [0.008]]
         case "position_lag":

@@ -77,6 +77,7 @@ def ledger_record(problem: Problem, base: Fit, ledger: Sequence[Entry], inputs: 
             "gain": _finite(entry.gain),
             "kept": entry.kept,
             "because": entry.because,
+            "rule": entry.rule,
             "fit": kept(entry.fit),
             "against": kept(entry.against),
         }

@@ -142,6 +142,9 @@ def _attempts(lines: Sequence[Line], fits: Mapping[str, Fit], *, exact: bool) ->
 
 def _decisions(lines: Sequence[Line], fits: Mapping[str, Fit]) -> Iterator[tuple[int, bool]]:
     """Which attempts are to be kept, by the rules of `select` and `remainder`, from the fits alone."""
+    lines = [
+        line for line in lines if line["rule"] == "score"
+    ]  # the others come last, and need fits to fewer recordings
     current = next(iter(fits))
     n = 0
     while n < len(lines):

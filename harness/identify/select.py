@@ -53,6 +53,7 @@ class Entry:
         kept: whether it was kept then.
         because: why.
         fit, against: with it and without.
+        rule: by which it was decided: the "score", the "curve" that contains it, or the "prediction" of held-out windows.
     """
 
     effect: str
@@ -62,6 +63,7 @@ class Entry:
     because: str
     fit: Fit
     against: Fit
+    rule: str = "score"
 
 
 def candidates(problem: Problem) -> tuple[str, ...]:

@@ -114,7 +114,7 @@ class Split:
 def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[Split, ...]:
     """Each recording in turn, values fitted to the others; a single recording is split in the middle."""
     made = []
-    for rest, left in _parts(problem):
+    for rest, left in parts(problem):
         progress(f"held out: {', '.join(record.name for record in left)}")
         sub = replace(problem, records=rest)
         plain = fit(sub, Hypothesis(problem.unknown), density=base.density, known=base.values())
@@ -131,7 +131,8 @@ def held_out(parts: Sequence[Split]) -> Comparison:
     )
 
 
-def _parts(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
+def parts(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
+    """Recordings to fit to and recordings to judge on: each in turn, or the halves of a single one."""
     records = problem.records
     if len(records) > 1:
         return [(tuple(r for r in records if r is not left), (left,)) for left in records]

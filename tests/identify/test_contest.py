@@ -10,10 +10,10 @@ import pytest
 
 from analytic.motion import FloatArray
 from harness.identify.contest import AFTER, BEFORE, YARDSTICKS, Contest, contest, miss
+from harness.identify.diagnosis import diagnose
 from harness.identify.fit import Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.prepare import problem_of, stand_ins
-from harness.identify.verdict import diagnose
 from harness.identify.verify import splits
 from harness.identify.yardsticks import windows_of
 from harness.recording import KnownRig, load_case

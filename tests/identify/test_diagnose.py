@@ -10,11 +10,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from harness.identify.diagnosis import diagnose
 from harness.identify.fit import INFLATION, fit
 from harness.identify.forecast import forecast
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.prepare import problem_of, record_of
-from harness.identify.verdict import Verdict, diagnose
+from harness.identify.verdict import Verdict
 from harness.recording import load_case
 from tests.identify.conftest import pose
 

@@ -13,8 +13,11 @@ from analytic.motion import FloatArray
 from harness.identify.fit import fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.innovations import SPIKE, _general, _plain, penalty
+from harness.identify.prepare import problem_of
 from harness.identify.problem import Problem
 from harness.identify.select import explained
+from harness.recording import load_case
+from harness.virtual_rig import Experiment, write_case
 from tests.identify.conftest import Posed, pose
 
 NAMES = ("miss", "spread", "state", "doubt")
@@ -97,3 +100,32 @@ def test_process_noise_is_what_the_angle_leaves(tmp_path: Path, seed: int) -> No
     # A model that lacks something has far more: here a beam that is 0.2° off its level.
     level = Problem(problem.records, problem.rig.with_(level_angle=0.003), problem.declared, problem.noise)
     assert not explained(level, fit(level, Hypothesis(())))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "rolling", "noise", "seed"),
+    [
+        ({"level_error": {"angle": 0.0106277}}, 0.00209, 0.324e-3, 510487880),
+        ({"track_curvature": {"curvature": -0.102289, "centre": 0.375975}}, 0.00141, 0.447e-3, 1600609964),
+    ],
+    ids=["level", "curvature"],
+)
+def test_a_ball_that_rests_in_the_filter_may_roll_in_truth(
+    tmp_path: Path, hidden: dict[str, dict[str, float]], rolling: float, noise: float, seed: int
+) -> None:
+    """Find no more process noise than the angle leaves where dry friction stops the ball under a coarse encoder."""
+    experiment = Experiment(
+        declared={"rolling_resistance": {"coefficient": rolling}},
+        hidden=hidden,
+        counts=4096,
+        position_noise=noise,
+        predict=0,
+        play_start=None,
+        seed=seed,
+    )
+    truth = write_case(tmp_path / "case", experiment)
+    assert any(np.any(one.velocity[1:] == 0.0) for one in truth)
+    problem, _ = problem_of(load_case(tmp_path / "case"))
+    # The factor of 3 of what counts as explained. By infinitesimal slopes the filter is certain that its ball rests,
+    # and can follow one that rolls on only with 52 and 30 times the floor.
+    assert explained(problem, fit(problem, Hypothesis(tuple(hidden))))

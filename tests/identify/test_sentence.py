@@ -9,11 +9,12 @@ import pytest
 
 from analytic.effects import CATALOGUE
 from analytic.rig import Rig
+from harness.identify.diagnosis import Diagnosis
 from harness.identify.fit import Fit
 from harness.identify.hypothesis import Hypothesis, Values
 from harness.identify.sentence import DEPENDENCES, error_size, phrase, sentence
 from harness.identify.shape import Depends, Shape
-from harness.identify.verdict import Diagnosis, Finding, Verdict
+from harness.identify.verdict import Finding, Verdict
 from harness.identify.verify import Comparison, Errors
 from tests.identify.conftest import Posed
 

@@ -10,6 +10,7 @@ import pytest
 
 from harness.commands.diagnose import as_record
 from harness.compare.setting import ball_of
+from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.fit import fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.independence import SIGNIFICANT
@@ -17,7 +18,7 @@ from harness.identify.prepare import problem_of
 from harness.identify.select import Entry
 from harness.identify.shape import Depends, blank, visited
 from harness.identify.trace import trace
-from harness.identify.verdict import Another, Diagnosis, Finding, Verdict
+from harness.identify.verdict import Finding, Verdict
 from harness.identify.verify import held_out, on_identify, splits
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from harness.identify.verdict import Diagnosis
+from harness.identify.diagnosis import Diagnosis
 from harness.parallel import on_all_cores
 from harness.recording import Case
 from harness.report.diagnosis import curve, errors, experiment, inputs, ledger, rivals, trace, verdict, yardsticks

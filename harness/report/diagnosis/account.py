@@ -8,9 +8,9 @@ from functools import cached_property
 
 from harness.ball_state import BallEstimate
 from harness.compare.setting import ball_of
+from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem import Record
 from harness.identify.trace import Trace, trace
-from harness.identify.verdict import Diagnosis
 from harness.recording import Case
 from harness.report.numbers import brief
 from harness.report.palette import Look
