@@ -53,7 +53,7 @@ class Entry:
         kept: whether it was kept then.
         because: why.
         fit, against: with it and without.
-        rule: by which it was decided: the "score", the "curve" that contains it, or the "prediction" of held-out windows.
+        rule: by which it was decided: the "score", the "curve" beside it, or the "prediction" of held-out windows.
     """
 
     effect: str
