@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from operator import itemgetter
 
 import numpy as np
@@ -249,19 +248,25 @@ def _covariance(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) ->
 def _least(
     misses: _Misses, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Numbers of least squared innovations at a fixed process noise, and the slopes there."""
+    """Numbers of least squared innovations at a fixed process noise, and the slopes there.
+
+    The trust region begins as wide as the start is long, which would be no step at all from where nothing acts: numbers
+    are counted from one typical size below the start.
+    """
+    origin = start - 1.0
+    step = COARSE if first else _STEP
     found = least_squares(
-        misses.at,
-        start,
-        jac=partial(misses.slopes, step=COARSE if first else _STEP),
-        bounds=(low, high),
+        lambda z: misses.at(origin + z),
+        start - origin,
+        jac=lambda z: misses.slopes(origin + z, step),
+        bounds=(low - origin, high - origin),
         x_scale=1.0,
         max_nfev=12,
         xtol=1e-5,
         ftol=1e-6,
         gtol=1e-6,
     )
-    return found.x, np.asarray(found.jac)
+    return origin + found.x, np.asarray(found.jac)
 
 
 class _Misses:

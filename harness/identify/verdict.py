@@ -114,6 +114,12 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
         for rival in entry.effect.split(" + ")
         if rival not in found.hypothesis.names
     }
+    rivals |= {
+        rival
+        for entry in ledger
+        if entry.kept and name in entry.effect.split(" + ") and entry.against.score - found.score < RIVAL
+        for rival in set(entry.against.hypothesis.names) - set(found.hypothesis.names)
+    }
     return Finding(name, values, tuple(sorted(rivals)))
 
 

@@ -134,7 +134,7 @@ def test_the_best_profile_is_chosen(proposal: Proposal) -> None:
 
 def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
     """Find the profile on which a lag of typical size is seen, and see it there as clearly as expected."""
-    rig = short(tmp_path, {}, "position_lag", 4.0)
+    rig = short(tmp_path, {}, "position_lag")
     effects = ("position_lag", LEVEL, "contact_slip")
     proposed = reveal(rig.problem, rig.found, effects)
     assert proposed is not None
