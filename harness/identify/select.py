@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from analytic.effects import CATALOGUE
@@ -27,18 +27,24 @@ MOST = 4  # effects found beside those declared; more are not told apart by reco
 # that are far from linear keep less of their promise than others.
 _SLACK, _PART = 4.0, 0.1
 _MOST_FOLLOWED = 8
+_MOSTLY = 0.1  # of the process noise is left by an effect that explains most of what was missing
 _FOLLOWED = 2  # starts of a law that are followed to their ends
 _HOPELESS = 30.0  # of the score behind the best after one round: five times what would still be told apart
 
-# One law of two numbers that two laws of one number each imitate or are: on a beam that is not level a resistance
-# differs by direction, and one that bends is a bowl with its centre elsewhere. Two causes are the rarer explanation, so
+# One law of several numbers that two laws of one number each imitate or are: on a beam that is not level a resistance
+# differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with speed from what
+# it is at rest is resistance and drag. Two causes are the rarer explanation, so
 # they have to be the better one by something: of blind trials in which the one acts, the two were better by 0.2 at
 # most; in which the two act, by 3.4 at least.
 SPLITS = {
     "directional_resistance": ("rolling_resistance", "level_error"),
     "track_curvature": ("level_error", "beam_compliance"),
+    "stribeck_friction": ("rolling_resistance", "quadratic_drag"),
 }
 _RARER = 1.0  # of the score
+# What comes first by itself can be what two effects look like together. Where much is left in the end, the search
+# begins again with each of so many runners-up beside which a look sees more.
+_OTHERS = 4
 
 Progress = Callable[[str], None]
 _S = TypeVar("_S")
@@ -96,17 +102,40 @@ def select(
     Returns:
         The best fit, and every attempt in order.
     """
-    best = fit(problem, Hypothesis(problem.unknown))
+    base = fit(problem, Hypothesis(problem.unknown))
+    first = beside(problem, base, progress)
+    best, ledger = _grown(problem, base, first, progress, threshold)
+    for other in first[1 : 1 + _OTHERS]:
+        if explained(problem, best) or base.score - other.score <= threshold:
+            break
+        if _glimpse(problem, other, progress) < best.score - threshold:
+            begin = [other, *(one for one in first if one is not other)]
+            grown, attempts = _grown(problem, base, begin, progress, threshold)
+            better = grown.score < best.score - threshold
+            names, rivals = (" + ".join(found_in(problem, one)) for one in (grown, best))
+            because = f"explains {'' if better else 'no '}more than {rivals} does"
+            attempts.append(Entry(names, problem.unknown, best.score - grown.score, better, because, grown, best))
+            ledger += attempts
+            best = grown if better else best
+    return best, ledger
+
+
+def _grown(
+    problem: Problem, base: Fit, first: list[Fit], progress: Progress, threshold: float
+) -> tuple[Fit, list[Entry]]:
+    """One effect after the other, beginning with the first of `first`, until no further one pays."""
+    best, tried = base, first
     ledger: list[Entry] = []
-    while len(found_in(problem, best)) < MOST:
-        tried = beside(problem, best, progress)
+    while True:
         winner = tried[0]
         kept = best.score - winner.score > threshold
         ledger += [_entry(one, best, kept and one is winner, winner) for one in tried]
         if not kept:
-            break
+            return best, ledger
         best = _settle(problem, winner, ledger, progress, threshold)
-    return best, ledger
+        if len(found_in(problem, best)) >= MOST:
+            return best, ledger
+        tried = beside(problem, best, progress)
 
 
 def found_in(problem: Problem, best: Fit) -> tuple[str, ...]:
@@ -121,14 +150,7 @@ def explained(problem: Problem, found: Fit) -> bool:
 
 def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = "") -> list[Fit]:
     """Every candidate but `without` beside those of `base`, the best first; fitted where a look promises something."""
-    names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, without)]
-
     near = explained(problem, base)
-    steps = (COARSE,) if near else (COARSE, 1.0, -1.0)
-
-    def look(name: str) -> list[Look]:
-        progress(" + ".join((*base.hypothesis.names, name)))
-        return looks(problem, _with(base, name), base.density, base.values(), without=base.deviance, steps=steps)
 
     def promise(found: list[Look]) -> float:
         """Of the score; where much is missing of a score without a price, for the process noise then hides the gain."""
@@ -136,10 +158,10 @@ def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = ""
         price = math.log(problem.readings) * (len(found[0].numbers) - len(base.numbers)) if near else 0.0
         return (base.deviance - deviance) / INFLATION**2 - price
 
-    seen = dict(zip(names, _side_by_side(look, names), strict=True))
-    promises = {name: promise(seen[name]) for name in names}
+    seen = _looks(problem, base, progress, without)
+    promises = {name: promise(seen[name]) for name in seen}
     least = max(_PART * max(promises.values()), -_SLACK)
-    names = sorted(names, key=lambda name: -promises[name])
+    names = sorted(seen, key=lambda name: -promises[name])
     followed = {name for name in names[:_MOST_FOLLOWED] if promises[name] >= least}
 
     def follow(name: str) -> Fit:
@@ -162,6 +184,24 @@ def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = ""
     return sorted(_side_by_side(finish, rough), key=lambda one: one.score)
 
 
+def _looks(problem: Problem, base: Fit, progress: Progress, without: str = "") -> dict[str, list[Look]]:
+    """Looks at every candidate but `without` beside those of `base`."""
+    names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, without)]
+    steps = (COARSE,) if explained(problem, base) else (COARSE, 1.0, -1.0)
+
+    def look(name: str) -> list[Look]:
+        progress(" + ".join((*base.hypothesis.names, name)))
+        return looks(problem, _with(base, name), base.density, base.values(), without=base.deviance, steps=steps)
+
+    return dict(zip(names, _side_by_side(look, names), strict=True))
+
+
+def _glimpse(problem: Problem, base: Fit, progress: Progress) -> float:
+    """The least score that a look sees beside `base`."""
+    seen = _looks(problem, base, progress)
+    return min(unfitted(problem, _with(base, name), found[0]).score for name, found in seen.items())
+
+
 def _with(base: Fit, name: str) -> Hypothesis:
     return Hypothesis((*base.hypothesis.names, name), base.hypothesis.shape)
 
@@ -173,41 +213,67 @@ def _side_by_side(attempt: Callable[[_S], _T], each: Iterable[_S]) -> list[_T]:
 
 
 def _settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
-    """Hold each kept effect against all others, and drop what no longer pays, until nothing changes."""
-    best = _split(problem, best, ledger, progress)
-    changed = len(found_in(problem, best)) > 1
-    while changed:
-        changed = False
-        for name in found_in(problem, best):
-            rest = tuple(other for other in best.hypothesis.names if other != name)
-            progress(f"{name} again")
-            without = _fit(problem, rest, best)
-            if without.score < best.score + threshold:
-                because = "no longer pays beside the others"
-                ledger.append(Entry(name, rest, without.score - best.score, False, because, best, without))
-                best, changed = without, True
-                break
-            others = beside(problem, without, progress, without=name)
-            better = others[0].score < best.score
-            winner = others[0] if better else best
-            ledger += [_entry(one, without, one is winner, winner) for one in others]
-            if better:
-                best, changed = others[0], True
-                break
+    """Hold what was found against all that could stand in its place, until nothing changes."""
+    while True:
+        best = _split(problem, best, ledger, progress)
+        held = best.hypothesis.names
+        if len(found_in(problem, best)) > 1:
+            best = _challenge(problem, best, ledger, progress, threshold)
+        if best.hypothesis.names == held:
+            return best
+
+
+def _challenge(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress, threshold: float) -> Fit:
+    """Hold each kept effect against all others and against none; what the first change leads to, if there is one."""
+    for name in found_in(problem, best):
+        rest = tuple(other for other in best.hypothesis.names if other != name)
+        progress(f"{name} again")
+        without = _fit(problem, rest, best)
+        if without.score < best.score + threshold:
+            because = "no longer pays beside the others"
+            ledger.append(Entry(name, rest, without.score - best.score, False, because, best, without))
+            return without
+        base = _where(problem, without, best) if best.density < _MOSTLY * without.density else without
+        others = beside(problem, base, progress, without=name)
+        better = others[0].score < best.score
+        winner = others[0] if better else best
+        ledger += [_entry(one, without, one is winner, winner) for one in others]
+        if better:
+            return winner
     return best
 
 
+def _where(problem: Problem, without: Fit, best: Fit) -> Fit:
+    """`without` an effect, at the values and the process noise that `best` has with it.
+
+    What stands in for that effect is looked for from there: fitted without it, the others have moved to make up for it.
+    """
+    (start,) = without.hypothesis.starts(problem, best.values(), best.density)
+    at = without.hypothesis.read(start, problem)
+    deviance = problem.deviance(at.effects, at.phases, best.density, at.shape)
+    return replace(without, numbers=start, best=at, density=best.density, deviance=deviance)
+
+
 def _split(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
-    """Hold one law against the two that imitate it; two take the place of one when they explain more."""
+    """Hold one law against the two that imitate it, whichever of them was found; two have to explain more."""
     for name, pair in SPLITS.items():
-        if name in best.hypothesis.names and not set(pair) & set(best.hypothesis.names):
-            rest = tuple(other for other in best.hypothesis.names if other != name)
-            progress(f"{' + '.join(pair)} for {name}")
-            parted = _fit(problem, (*rest, *pair), best)
-            better = parted.score < best.score - _RARER
-            because = f"explain{'' if better else ' no'} more than {name} does"
-            ledger.append(Entry(" + ".join(pair), rest, best.score - parted.score, better, because, parted, best))
-            best = parted if better else best
+        names = found_in(problem, best)
+        single, double = name in names and not set(pair) & set(names), name not in names and set(pair) <= set(names)
+        if not (single or double):
+            continue
+        rest = tuple(other for other in best.hypothesis.names if other not in (name, *pair))
+        old, new = (name,), pair
+        if double:
+            old, new = new, old
+        progress(f"{' + '.join(new)} for {' + '.join(old)}")
+        other = _fit(problem, (*rest, *new), best)
+        gain = best.score - other.score
+        kept = gain > (_RARER if single else -_RARER)
+        because = f"{'explains' if kept else 'explains no'} more than {' + '.join(old)} does"
+        if double and kept:
+            because = f"explains as much as {' + '.join(old)} do"
+        ledger.append(Entry(" + ".join(new), rest, gain, kept, because, other, best))
+        best = other if kept else best
     return best
 
 
@@ -217,7 +283,8 @@ def _fit(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
 
 def _entry(one: Fit, base: Fit, kept: bool, winner: Fit) -> Entry:
     name = one.hypothesis.names[-1]
-    gain = base.score - one.score
+    least = math.log(base.readings) * (len(base.numbers) - len(one.numbers))  # where nothing of it acts
+    gain = max(base.score - one.score, least)
     if kept:
         because = f"predicts better by {gain:.0f} (scaled BIC)"
     elif gain <= 0.0 or math.isnan(gain):
