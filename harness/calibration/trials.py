@@ -21,7 +21,8 @@ FINE, PAPER = 40_000, 4_096  # counts per turn
 RIG = "virtual_rig"
 # The engines' scenes take two places of five, each with either encoder in turn.
 PLANTS = (RIG, RIG, RIG, "mujoco", "pybullet")
-GRIP_LOST = "contact_slip"  # no force along the beam stands for it: an engine's ball cannot be made to slide so
+# An engine's ball cannot be made to slide by a force along the beam, and hops where the gap of a linkage closes.
+RIGS_ALONE = ("contact_slip", "linkage_backlash")
 PIVOT = "eccentric_pivot"
 
 _SEED = 20230202  # the paper's year, month and day
@@ -140,7 +141,7 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
         name=name,
         factor=factor,
         number=number,
-        plant=RIG if GRIP_LOST in hidden else PLANTS[number % len(PLANTS)],
+        plant=RIG if set(RIGS_ALONE) & set(hidden) else PLANTS[number % len(PLANTS)],
         counts=FINE if fine else PAPER,
         noise=round(float(generator.uniform(*_NOISE)), 6),
         spikes=_SPIKES if generator.uniform() < _SPIKED else 0.0,

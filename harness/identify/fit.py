@@ -27,6 +27,8 @@ INFLATION = 1.75
 DENSITY = 1e-5  # where the search for the process noise begins [m²/s³]
 # The angle's error leaves no less than this share of what its draws give; a curve could follow all the rest.
 _LEAST_SHARE = 0.25
+# How far off the log of the density may be: where the search begins anywhere, where it begins from a look, and then.
+_WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
 _HIGHEST = 0.0  # log of 1 m²/s³: a beam that is not known at all
 _ROUNDS = 6
 _STARTS = 2  # that are followed to their ends, the most promising ones
@@ -106,14 +108,15 @@ def fit(
     """Fit one hypothesis; of several starts the likeliest end counts.
 
     Args:
-        density: where the search for the process noise begins [m²/s³].
+        density: where the search for the process noise begins [m²/s³]; near to it, where there are `starts`.
         known: values to begin from.
         starts: scaled numbers to begin from, each of shape (k,), instead of those that the hypothesis names.
         rounds: of numbers and process noise in turn, at most.
     """
+    wide = _NEARBY if starts else _WIDE
     starts = starts or [one.numbers for one in looks(problem, hypothesis, density, known or {})[:_STARTS]]
     return min(
-        (_fit_from(problem, hypothesis, start, density, rounds) for start in starts), key=lambda one: one.deviance
+        (_fit_from(problem, hypothesis, start, density, rounds, wide) for start in starts), key=lambda one: one.deviance
     )
 
 
@@ -215,7 +218,9 @@ def unfitted(problem: Problem, hypothesis: Hypothesis, look: Look) -> Fit:
     )
 
 
-def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float, rounds: int) -> Fit:
+def _fit_from(
+    problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float, rounds: int, wide: float
+) -> Fit:
     low, high = hypothesis.bounds(problem)
     numbers = np.clip(numbers, low + _INSIDE, high - _INSIDE)
     slopes = np.zeros((problem.readings, len(numbers)))
@@ -225,7 +230,7 @@ def _fit_from(problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, den
         before = deviance
         if len(numbers):
             numbers, slopes = _least(_Misses(problem, hypothesis, density), numbers, low, high, first=turn == 0)
-        width, middle = (12.0 if turn == 0 else 3.0), math.log(density)
+        width, middle = (wide if turn == 0 else _NARROW), math.log(density)
         found = minimize_scalar(
             lambda x, at=numbers: _Misses(problem, hypothesis, math.exp(x)).deviance(at),
             bounds=(max(middle - width, lowest), max(min(middle + width, _HIGHEST), lowest + 1.0)),
@@ -261,7 +266,7 @@ def _least(
         jac=lambda z: misses.slopes(origin + z, step),
         bounds=(low - origin, high - origin),
         x_scale=1.0,
-        max_nfev=12,
+        max_nfev=6,
         xtol=1e-5,
         ftol=1e-6,
         gtol=1e-6,

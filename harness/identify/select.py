@@ -25,7 +25,9 @@ MOST = 4  # effects found beside those declared; more are not told apart by reco
 
 # What a look must promise for a fit to follow: nearly what it costs, and a part of what the best one promises; laws
 # that are far from linear keep less of their promise than others.
+_STEPS = (COARSE, 1.0, -1.0)  # of looks where much is missing
 _SLACK, _PART = 4.0, 0.1
+_STANDS_IN = 0.4  # of what it stands in for: a look at that sees the less of it the less linear it is
 _MOST_FOLLOWED = 8
 _MOSTLY = 0.1  # of the process noise is left by an effect that explains most of what was missing
 _FOLLOWED = 2  # starts of a law that are followed to their ends
@@ -45,6 +47,7 @@ _RARER = 1.0  # of the score
 # What comes first by itself can be what two effects look like together. Where much is left in the end, the search
 # begins again with each of so many runners-up beside which a look sees more.
 _OTHERS = 4
+_SHARE = 0.25  # of the winner's gain, below which another does not begin
 
 Progress = Callable[[str], None]
 _S = TypeVar("_S")
@@ -106,7 +109,9 @@ def select(
     first = beside(problem, base, progress)
     best, ledger = _grown(problem, base, first, progress, threshold)
     for other in first[1 : 1 + _OTHERS]:
-        if explained(problem, best) or base.score - other.score <= threshold:
+        if explained(problem, best) or base.score - other.score <= max(
+            threshold, _SHARE * (base.score - first[0].score)
+        ):
             break
         if _glimpse(problem, other, progress) < best.score - threshold:
             begin = [other, *(one for one in first if one is not other)]
@@ -148,8 +153,13 @@ def explained(problem: Problem, found: Fit) -> bool:
     return found.root_density < _NEAR * problem.angle_floor
 
 
-def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = "") -> list[Fit]:
-    """Every candidate but `without` beside those of `base`, the best first; fitted where a look promises something."""
+def beside(
+    problem: Problem, base: Fit, progress: Progress, *, without: str = "", in_its_place: bool = False
+) -> list[Fit]:
+    """Every candidate but `without` beside those of `base`, the best first.
+
+    Fitted are those of which a look promises something; `in_its_place` those that would do most of what it did.
+    """
     near = explained(problem, base)
 
     def promise(found: list[Look]) -> float:
@@ -158,9 +168,9 @@ def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = ""
         price = math.log(problem.readings) * (len(found[0].numbers) - len(base.numbers)) if near else 0.0
         return (base.deviance - deviance) / INFLATION**2 - price
 
-    seen = _looks(problem, base, progress, without)
+    seen = _looks(problem, base, progress, without, steps=(COARSE,) if near or in_its_place else _STEPS)
     promises = {name: promise(seen[name]) for name in seen}
-    least = max(_PART * max(promises.values()), -_SLACK)
+    least = max((_STANDS_IN if in_its_place else _PART) * max(promises.values()), -_SLACK)
     names = sorted(seen, key=lambda name: -promises[name])
     followed = {name for name in names[:_MOST_FOLLOWED] if promises[name] >= least}
 
@@ -184,10 +194,11 @@ def beside(problem: Problem, base: Fit, progress: Progress, *, without: str = ""
     return sorted(_side_by_side(finish, rough), key=lambda one: one.score)
 
 
-def _looks(problem: Problem, base: Fit, progress: Progress, without: str = "") -> dict[str, list[Look]]:
+def _looks(
+    problem: Problem, base: Fit, progress: Progress, without: str = "", *, steps: Sequence[float] = _STEPS
+) -> dict[str, list[Look]]:
     """Looks at every candidate but `without` beside those of `base`."""
     names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, without)]
-    steps = (COARSE,) if explained(problem, base) else (COARSE, 1.0, -1.0)
 
     def look(name: str) -> list[Look]:
         progress(" + ".join((*base.hypothesis.names, name)))
@@ -233,8 +244,10 @@ def _challenge(problem: Problem, best: Fit, ledger: list[Entry], progress: Progr
             because = "no longer pays beside the others"
             ledger.append(Entry(name, rest, without.score - best.score, False, because, best, without))
             return without
-        base = _where(problem, without, best) if best.density < _MOSTLY * without.density else without
-        others = beside(problem, base, progress, without=name)
+        if best.density < _MOSTLY * without.density:
+            others = beside(problem, _where(problem, without, best), progress, without=name, in_its_place=True)
+        else:
+            others = beside(problem, without, progress, without=name)
         better = others[0].score < best.score
         winner = others[0] if better else best
         ledger += [_entry(one, without, one is winner, winner) for one in others]
@@ -244,14 +257,15 @@ def _challenge(problem: Problem, best: Fit, ledger: list[Entry], progress: Progr
 
 
 def _where(problem: Problem, without: Fit, best: Fit) -> Fit:
-    """`without` an effect, at the values and the process noise that `best` has with it.
+    """`without` an effect, at the values that `best` has with it, and a process noise between those of the two.
 
     What stands in for that effect is looked for from there: fitted without it, the others have moved to make up for it.
     """
-    (start,) = without.hypothesis.starts(problem, best.values(), best.density)
+    density = math.sqrt(without.density * best.density)
+    (start,) = without.hypothesis.starts(problem, best.values(), density)
     at = without.hypothesis.read(start, problem)
-    deviance = problem.deviance(at.effects, at.phases, best.density, at.shape)
-    return replace(without, numbers=start, best=at, density=best.density, deviance=deviance)
+    deviance = problem.deviance(at.effects, at.phases, density, at.shape)
+    return replace(without, numbers=start, best=at, density=density, deviance=deviance)
 
 
 def _split(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
