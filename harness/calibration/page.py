@@ -24,8 +24,9 @@ hidden effect, {confusion} of recovery, {power} of small sizes besides; by plant
 A trial is a case of two recordings of 16 s at 100 Hz in closed loop with random moves, read from disk like anybody's.
 
 - **Plants.** The virtual rig's rigid bodies in contact, and the scenes of MuJoCo and PyBullet, contacts and all. None
-  has an equation of motion along the beam, which is what is fitted. A ball that slides (`contact_slip`) is the
-  virtual rig's alone: no force on an engine's ball stands for that.
+  has an equation of motion along the beam, which is what is fitted. A ball that slides (`contact_slip`) and a gap that
+  closes (`linkage_backlash`) are the virtual rig's alone: no force on an engine's ball stands for the one, and the jolt
+  of the other throws the ball off an engine's edges.
 - **Sensors.** An encoder of 40,000 counts a turn (fine) or the paper's 4,096; 0.2–0.6 mm of noise in the position; in a
   fifth of the trials 0.5 % of the positions are spikes of 10–60 mm.
 - **Declared.** Rolling resistance, a level error, both or none act besides and are declared.
