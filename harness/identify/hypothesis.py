@@ -16,7 +16,7 @@ from analytic.rig import Rig
 from harness.identify.problem import Problem
 from harness.identify.shape import Shape
 
-IMBALANCE = "ball_imbalance"
+IMBALANCE, BUMP = "ball_imbalance", "track_bump"
 _PHASES = 8  # tried around a turn: no further than 22° from the likeliest
 
 
@@ -38,6 +38,7 @@ _SIZES = {
 }
 
 
+_WIDEST = 0.1  # bump [m]
 _STARTS = 3  # that are looked at: of many places, the likeliest
 _PLACE = 0.03  # how well a place along the beam can be guessed [m]
 _FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to what it should be [1]
@@ -116,11 +117,17 @@ class Hypothesis:
         free = sum(self._tail(problem))
         low = np.array([one.low for one in self._each] + [-np.inf] * free)
         high = np.array([one.high for one in self._each] + [np.inf] * free)
-        for at, (_, name) in enumerate(self.parameters):
-            if (
-                name == "radius"
-            ):  # a ball cannot roll on more than its radius, nor deep in a groove that it falls through
+        for at, key in enumerate(self.parameters):
+            # A ball cannot roll on more than its radius, nor deep in a groove that it falls through.
+            if key == ("rolling_radius", "radius"):
                 low[at], high[at] = 0.2 * problem.rig.radius, problem.rig.radius
+            # A bump where the ball has not been, or as wide as the track, is any curve at all.
+            elif key == (BUMP, "centre"):
+                readings = [one.reading[np.isfinite(one.reading)] for one in problem.records]
+                first, last = np.percentile(np.concatenate(readings), [0.5, 99.5])
+                low[at], high[at] = first - _WIDEST, last + _WIDEST
+            elif key == (BUMP, "width"):
+                high[at] = _WIDEST
         scale = self.scale(problem)
         return low / scale, high / scale
 
@@ -200,7 +207,7 @@ def _starts(effect: Effect, problem: Problem) -> list[list[float]]:
         case "presliding_hysteresis":
             return [[0.002, 10.0], [0.002, 100.0], [0.002, 1000.0]]
         case "track_curvature":
-            return [[0.005, float(middle)]]
+            return [[curvature, float(middle)] for curvature in (0.005, -0.02, 0.02)]
         case "track_bump":
             heights, widths = (1e-4, -1e-4), (0.015, 0.04)
             return [[h, float(c), w] for c in np.linspace(low, high, 13) for h in heights for w in widths]
