@@ -232,7 +232,8 @@ def run(case: Path | None, **options: Any) -> None:
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Further recording of the rig, with positions: nothing is fitted to it, errors are told on it; repeatable.",
+    help="Further recording of the rig, with positions: nothing is fitted to it, errors before and after are reported "
+    "for it; repeatable.",
 )
 @effects_option(passed=True)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
@@ -264,7 +265,8 @@ def diagnose(case: Path, **options: Any) -> None:
 def replay(diagnosis: Path, case: Path, **options: Any) -> None:
     """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
 
-    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything differs.
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything
+    differs, with 2 if an input file has changed since.
 
     \b
     Examples:

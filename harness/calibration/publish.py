@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas as pd
-
 from harness.calibration.page import FOLDER, PICTURE, page
 from harness.calibration.picture import draw
 from harness.calibration.rows import Row
@@ -35,8 +33,3 @@ def publish(rows: Sequence[Row], docs: Path, source: str) -> list[Path]:
     written.append(folder.with_suffix(".md"))
     written[-1].write_text(page(rows, made, source), encoding="utf-8", newline="\n")
     return written
-
-
-def committed(docs: Path) -> dict[str, pd.DataFrame]:
-    """The tables in `docs`, by name."""
-    return {path.stem: pd.read_csv(path) for path in sorted((docs / FOLDER).glob("*.csv"))}

@@ -1,4 +1,4 @@
-"""Trials into rows, several side by side, each in a process that works alone."""
+"""Trials into rows, several side by side, each in a process with one thread for linear algebra."""
 
 from __future__ import annotations
 

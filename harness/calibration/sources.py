@@ -11,7 +11,11 @@ ROOT = Path(__file__).resolve().parents[2]
 # What makes the data, what reads it, and what searches; of harness/identify, not what comes after the search.
 _MAKERS = (
     "analytic",
+    "harness/compare",
+    "harness/engines",
     "harness/identify",
+    "harness/prescribed.py",
+    "harness/recording",
     "harness/smoothing",
     "harness/virtual_rig",
     "harness/ball_state.py",

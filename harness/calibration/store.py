@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from harness.calibration.rows import Row
 from harness.calibration.trials import Trial
@@ -37,25 +38,26 @@ class Store:
 
     def rows(self) -> dict[str, Row]:
         """The rows that count, by what was tried; of two for one trial, the later."""
-        return {row.trial.spec: row for row in self._all() if row.source == self.source}
+        rows = (Row.from_dict(one) for one in self._all() if one["source"] == self.source)
+        return {row.trial.spec: row for row in rows}
 
     def sources(self) -> Counter[str]:
         """How many rows there are of each digest."""
-        return Counter(row.source for row in self._all())
+        return Counter(one["source"] for one in self._all())
 
     def missing(self, trials: Iterable[Trial]) -> list[Trial]:
         """Trials without a row, or with one that failed."""
         rows = self.rows()
         return [one for one in trials if one.spec not in rows or rows[one.spec].error is not None]
 
-    def _all(self) -> list[Row]:
+    def _all(self) -> list[dict[str, Any]]:
+        """As written: fields of a row may have been others when other sources made it."""
         if not self.path.exists():
             return []
-        rows = []
+        records = []
         for line in self.path.read_text(encoding="utf-8").splitlines():
             try:
-                record = json.loads(line)
+                records.append(json.loads(line))
             except ValueError:  # cut short by the end of a run
                 continue
-            rows.append(Row.from_dict(record))
-        return rows
+        return records

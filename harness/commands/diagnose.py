@@ -51,18 +51,20 @@ def diagnose_case(
         as_json: print diagnosis.json.
 
     Raises:
-        InputError: the case or one of the further recordings cannot be used; nothing has been written then.
+        InputError: the case, one of the further recordings or a file's name cannot be used; nothing has been written
+            then.
     """
     begin = time.monotonic()
     progress = told_on_stderr()
     folder = out or report_folder(case)
+    hashes, tables = input_hashes(case, effects), prediction_files(case)
     with all_or_nothing(folder) as scratch:
         progress("drives and rig")
         problem, _ = problem_of(case)
         further = _further(case, also)
         records = [record_of(case, one, problem.rig)[0] for one in further]
         found = diagnose(problem, progress, also=records, length=case.rig.length)
-        record = as_record(found, case, time.monotonic() - begin, effects, further)
+        record = as_record(found, case, time.monotonic() - begin, hashes, further)
         (scratch / "diagnosis.json").write_text(to_json(record) + "\n", encoding="utf-8")
         progress("report")
         again = _command("replay", folder, case.path, effects=effects)
@@ -71,9 +73,8 @@ def diagnose_case(
         (scratch / "diagnosis.html").write_text(page, encoding="utf-8")
         if found.next_experiment is not None:
             (scratch / FILE).write_text(csv_text(found.next_experiment.table()), encoding="utf-8")
-        for each in case.predict:
-            predicted = csv_text(predictions(found, case, each))
-            (scratch / f"prediction_{Path(each).stem}.csv").write_text(predicted, encoding="utf-8")
+        for file, each in tables.items():
+            (scratch / file).write_text(csv_text(predictions(found, case, each)), encoding="utf-8")
     progress("")
     files = f"diagnosis: {folder / 'diagnosis.json'}\nreport: {folder / 'diagnosis.html'}"
     click.echo(to_json(record) if as_json else f"{sentence(found)}\n{files}")
@@ -109,10 +110,33 @@ def _command(
 
 
 def input_hashes(case: Case, effects: Sequence[Path] = ()) -> dict[str, str]:
-    """SHA-256 of everything that a diagnosis is made from, by file."""
+    """SHA-256 of everything that a diagnosis is made from, by file; files of effects by name, wherever they lie.
+
+    Raises:
+        InputError: a file of effects cannot be read, or has the name of another file.
+    """
     hashes = {name: case.recordings[name].sha256 for name in case.identify}
     hashes |= {"rig.toml": case.sha256} if case.sha256 else {}
-    return hashes | {str(file): read_source(file).sha256 for file in effects}
+    for file in effects:
+        if file.name in hashes:
+            raise InputError(f"{file}: another file that the diagnosis is made from has this name; rename one of them")
+        hashes[file.name] = read_source(file).sha256
+    return hashes
+
+
+def prediction_files(case: Case) -> dict[str, str]:
+    """The recordings to predict, by the file that each prediction is written to.
+
+    Raises:
+        InputError: two recordings have one stem.
+    """
+    files: dict[str, str] = {}
+    for name in case.predict:
+        file = f"prediction_{Path(name).stem}.csv"
+        if file in files:
+            raise InputError(f"{case.path}: {files[file]} and {name} would both be predicted into {file}; rename one")
+        files[file] = name
+    return files
 
 
 def versions() -> dict[str, str]:
@@ -131,12 +155,12 @@ def as_record(
     found: Diagnosis,
     case: Case,
     wall_time: float,
-    effects: Sequence[Path] = (),
+    hashes: Mapping[str, str],
     further: Sequence[Recording] = (),
 ) -> dict[str, Any]:
-    """diagnosis.json."""
+    """diagnosis.json; `hashes` as of `input_hashes`."""
     shape = found.found.best.shape
-    inputs = {"hashes": input_hashes(case, effects), "versions": versions()}
+    inputs = {"hashes": hashes, "versions": versions()}
     return {
         "schema": 1,
         "verdict": str(found.verdict),

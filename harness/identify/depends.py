@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from harness.identify.attempts import Entry
 from harness.identify.fit import Fit
 from harness.identify.remainder import CURVE_THRESHOLD
-from harness.identify.select import Entry
 from harness.identify.shape import Depends, Shape
 
 

@@ -18,13 +18,13 @@ from functools import partial
 from typing import TypeVar
 
 from analytic.effects import CATALOGUE, Acting
+from harness.identify.attempts import THRESHOLD, Entry
 from harness.identify.fit import INFLATION, Fit
 from harness.identify.hypothesis import Values
 from harness.identify.problem import Problem
 from harness.identify.profiles import LIBRARY, Profile, Room, room_of
 from harness.identify.proposal import NOTHING, Proposal, Separation
 from harness.identify.rehearsal import Rehearsed, rehearse, with_others
-from harness.identify.select import THRESHOLD, Entry
 from harness.identify.separation import Noises, drift, mean_innovations, regained
 
 _ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps of rivals, and on how many of the best moves; on the others one step
@@ -136,7 +136,8 @@ def pairs_of(
         rest = set(found.hypothesis.names) - {name}
         for rival in rivals:
             fits = [one.fit for one in ledger if rival in one.effect.split(" + ") and set(one.beside) == rest]
-            pairs.append(pair(name, rival, fits))
+            if fits:  # what a split replaced was never tried beside what came of it
+                pairs.append(pair(name, rival, fits))
     others = [one.fit for one in ledger if _own(one.fit, found) and _own(found, one.fit)]
     if not pairs and others:
         nearest = min(others, key=lambda one: one.score)
@@ -149,7 +150,7 @@ def _own(one: Fit, other: Fit) -> list[str]:
     mine = [name for name in one.hypothesis.names if name not in other.hypothesis.names]
     shape, theirs = one.hypothesis.shape, other.hypothesis.shape
     if shape is not None and (theirs is None or (shape.depends, shape.friction) != (theirs.depends, theirs.friction)):
-        mine.append(f"curve of {shape.depends}{' in friction' if shape.friction else ''}")
+        mine.append(shape.name)
     return mine
 
 

@@ -197,7 +197,10 @@ def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: _
 
 def _quieter(problem: Problem, hypothesis: Hypothesis, look: Look) -> Look:
     """The look with less process noise where that is likelier, which it is if the law explains what was missing."""
+    lowest = (_LEAST_SHARE * problem.angle_floor) ** 2
     for factor in _QUIETER:
+        if factor * look.density < lowest:
+            break
         deviance = _Misses(problem, hypothesis, factor * look.density).deviance(look.numbers)
         if deviance > look.deviance:
             break
@@ -260,10 +263,17 @@ def _least(
     """
     origin = start - 1.0
     step = COARSE if first else _STEP
+
+    def at(z: FloatArray) -> FloatArray:
+        return misses.at(origin + z)
+
+    def slopes(z: FloatArray) -> FloatArray:
+        return misses.slopes(origin + z, step)
+
     found = least_squares(
-        lambda z: misses.at(origin + z),
+        at,
         start - origin,
-        jac=lambda z: misses.slopes(origin + z, step),
+        jac=slopes,
         bounds=(low - origin, high - origin),
         x_scale=1.0,
         max_nfev=6,

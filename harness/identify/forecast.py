@@ -57,7 +57,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     count = len(found.numbers)
     if count:
         scale = found.hypothesis.scale(problem)
-        root = INFLATION * np.linalg.cholesky(found.covariance / np.outer(scale, scale) + 1e-18 * np.eye(count))
+        root = INFLATION * _root(found.covariance / np.outer(scale, scale))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(record.time))
@@ -69,6 +69,12 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
     return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """Its symmetric root; a badly determined fit has a covariance with eigenvalues just below zero, taken for zero."""
+    values, vectors = np.linalg.eigh(covariance)
+    return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
 
 
 def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:

@@ -173,8 +173,10 @@ class Hypothesis:
 
     def weaker(self, numbers: FloatArray, factor: float, known: Mapping[tuple[str, str], float]) -> FloatArray:
         """`numbers` with the effects that are not `known` at `factor` of their size."""
-        sizes = [factor if key in _SIZES and key not in known else 1.0 for key in self.parameters]
-        return numbers * np.array(sizes + [1.0] * (len(numbers) - len(sizes)))
+        # Of an effect of the user's own, the first parameter is the strength.
+        sizes = _SIZES | {(one.name, one.parameters[0].name) for one in self.effects if one.force is not None}
+        factors = [factor if key in sizes and key not in known else 1.0 for key in self.parameters]
+        return numbers * np.array(factors + [1.0] * (len(numbers) - len(factors)))
 
     def _phased(
         self, numbers: FloatArray, problem: Problem, known: Mapping[tuple[str, str], float], density: float

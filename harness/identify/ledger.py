@@ -14,9 +14,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from harness.identify.attempts import Entry
 from harness.identify.fit import Fit
 from harness.identify.problem import Problem
-from harness.identify.select import Entry
 
 _DIGITS = 16  # of a hash: 64 bits tell some thousand attempts apart
 

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.attempts import Entry, beside, candidates, explained, found_in
 from harness.identify.contest import for_horizon, margin, missed
 from harness.identify.fit import Fit, fit
 from harness.identify.problem import Problem
-from harness.identify.select import Entry, beside, explained, found_in
 from harness.identify.verdict import Search, judged
 from harness.identify.verify import parts
 from harness.identify.yardsticks import windows_of
@@ -26,8 +26,7 @@ _LEAST = 12  # windows, below which their scatter decides
 _TRIED = 3  # candidates that are fitted without each recording, the best on all of them first
 _MOST = 2  # effects that are found so
 _ROUNDS = 2  # of a fit without one recording, which begins where the fit to all ended
-# Two-sided share beyond which a gain is no chance: 5 % shared by the catalogue's eighteen candidates.
-_CHANCE = 0.05 / 18
+_CHANCE = 0.05  # two-sided share beyond which a gain is no chance, shared by all candidates
 
 Progress = Callable[[str], None]
 
@@ -55,9 +54,9 @@ def _without_curve(problem: Problem, found: Fit, ledger: list[Entry], progress: 
     before, after = (held_out_misses(problem, one) for one in (plain, found))
     if np.mean(after**2) < np.mean(before**2):
         return found
-    name = f"curve of {found.best.shape.depends}" if found.best.shape else ""
     because = f"predicts held-out windows worse, by {_rms(after):.3g} m against {_rms(before):.3g} m RMS"
-    ledger.append(_entry(name, plain, found, kept=False, because=because))
+    assert found.best.shape is not None
+    ledger.append(_entry(found.best.shape.name, plain, found, kept=False, because=because))
     return plain
 
 
@@ -76,7 +75,7 @@ def _better(problem: Problem, base: Fit, ledger: list[Entry], progress: Progress
         name = one.hypothesis.names[-1]
         progress(f"{name} on windows that it has not seen")
         after = held_out_misses(problem, one)
-        gain = margin(before, after, _CHANCE)
+        gain = margin(before, after, _CHANCE / len(candidates(problem)))
         because = f"predicts held-out windows by {_rms(after):.3g} m RMS instead of {_rms(before):.3g} m"
         ledger.append(
             _entry(name, base, one, kept=False, because=because + ("" if gain.sure else ", which may be chance"))

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 
+from harness.identify.attempts import THRESHOLD, Entry, found_in, side_by_side
 from harness.identify.fit import COARSE, Fit, Look, fit, looks, unfitted
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem
-from harness.identify.select import THRESHOLD, Entry, found_in
-from harness.identify.shape import KINDS, Depends, blank, visited
+from harness.identify.shape import KINDS, Depends, Shape, blank, visited
 
 CURVE_THRESHOLD = 20.0  # of BIC: seven curves of twelve numbers can follow what a law of the catalogue rounds off
 _DENSITIES = 10.0 ** np.arange(
@@ -48,9 +46,8 @@ def remainder(problem: Problem, found: Fit, progress: Callable[[str], None]) -> 
             because += ", but fitted to some of the recordings it does not predict the others"
         elif not kept:
             because += ", too little"
-        depends, friction = _kind(one)
-        name = f"curve of {depends}" + (" in friction" if friction else "")
-        ledger.append(Entry(name, found.hypothesis.names, found.bic - one.bic, kept, because, one, found))
+        gain = found.bic - one.bic
+        ledger.append(Entry(_curve(one).name, found.hypothesis.names, gain, kept, because, one, found))
     if not pays:
         return found, ledger
     for name in found_in(problem, found):
@@ -65,10 +62,13 @@ def remainder(problem: Problem, found: Fit, progress: Callable[[str], None]) -> 
     return best, ledger
 
 
+def _curve(one: Fit) -> Shape:
+    assert one.hypothesis.shape is not None
+    return one.hypothesis.shape
+
+
 def _kind(one: Fit) -> tuple[Depends, bool]:
-    shape = one.hypothesis.shape
-    assert shape is not None
-    return shape.depends, shape.friction
+    return _curve(one).depends, _curve(one).friction
 
 
 def _recurs(problem: Problem, found: Fit, best: Fit, progress: Callable[[str], None]) -> bool:
@@ -106,16 +106,16 @@ def _curves(problem: Problem, found: Fit, progress: Callable[[str], None]) -> li
 
     def look(hypothesis: Hypothesis) -> Look:
         assert hypothesis.shape is not None
-        progress(f"a curve of {hypothesis.shape.depends}{' in friction' if hypothesis.shape.friction else ''}")
+        progress(f"a {hypothesis.shape.name}")
         return looks(problem, hypothesis, found.density, found.values(), steps=(COARSE, 1.0))[0]
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        seen = list(pool.map(look, hypotheses))
-        least = _PART * max(found.deviance - min(one.promise, one.deviance) for one in seen)
+    seen = list(zip(hypotheses, side_by_side(look, hypotheses), strict=True))
+    least = _PART * max(found.deviance - min(one.promise, one.deviance) for _, one in seen)
 
-        def follow(hypothesis: Hypothesis, first: Look) -> Fit:
-            if found.deviance - min(first.promise, first.deviance) < least:
-                return unfitted(problem, hypothesis, first)
-            return fit(problem, hypothesis, density=found.density, starts=[first.numbers])
+    def follow(each: tuple[Hypothesis, Look]) -> Fit:
+        hypothesis, first = each
+        if found.deviance - min(first.promise, first.deviance) < least:
+            return unfitted(problem, hypothesis, first)
+        return fit(problem, hypothesis, density=found.density, starts=[first.numbers])
 
-        return sorted(pool.map(follow, hypotheses, seen), key=lambda one: one.bic)
+    return sorted(side_by_side(follow, seen), key=lambda one: one.bic)

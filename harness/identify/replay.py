@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from harness.identify.attempts import THRESHOLD
 from harness.identify.fit import Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.ledger import digest, fit_hash, problem_record
 from harness.identify.problem import Problem
 from harness.identify.remainder import CURVE_THRESHOLD
-from harness.identify.select import THRESHOLD
+from harness.identify.settle import RARER
 from harness.identify.shape import Depends, Shape
 
 # Of a deviance, evaluated at the same numbers: another processor may round some thousand terms differently, by 1e-9 at
@@ -22,6 +23,7 @@ from harness.identify.shape import Depends, Shape
 _TOLERANCE = 1e-3
 _RELATIVE = 1e-9  # of the problem's numbers, some of which are estimated
 
+_RULES = ("score", "split", "again", "either")
 Line = Mapping[str, Any]
 
 
@@ -141,31 +143,55 @@ def _attempts(lines: Sequence[Line], fits: Mapping[str, Fit], *, exact: bool) ->
 
 
 def _decisions(lines: Sequence[Line], fits: Mapping[str, Fit]) -> Iterator[tuple[int, bool]]:
-    """Which attempts are to be kept, by the rules of `select` and `remainder`, from the fits alone."""
-    lines = [
-        line for line in lines if line["rule"] == "score"
-    ]  # the others come last, and need fits to fewer recordings
-    current = next(iter(fits))
+    """Which attempts are to be kept, by the rules of the search, from the fits alone.
+
+    Curves dropped beside others and predictions come last, and need fits to fewer recordings.
+    """
+    lines = [line for line in lines if line["rule"] in _RULES]
+    current = base = next(iter(fits))
     n = 0
     while n < len(lines):
-        line = lines[n]
-        against = line["against"]
-        if line["fit"] == current:  # tried without what had been kept
+        line, kept = lines[n], False
+        if line["rule"] == "again":  # with a runner-up of the first round
+            current, kept = base, _gain(line, fits) > THRESHOLD
+        elif line["rule"] == "either":
+            current, kept = line["against"], _gain(line, fits) > THRESHOLD
+        elif line["rule"] == "split":
+            more = len(fits[line["fit"]].hypothesis.names) > len(fits[line["against"]].hypothesis.names)
+            kept = _gain(line, fits) > (RARER if more else -RARER)
+            kept = kept and (line["kept"] or not more)  # each of two must also pay, by fits that were not kept
+        elif line["fit"] == current:  # tried without what had been kept
             dropped = _gain(line, fits) < THRESHOLD
             yield n, not dropped
-            current = against if dropped else current
+            current = line["against"] if dropped else current
             n += 1
-        else:  # all that were tried on top of the same
-            end = n
-            while end < len(lines) and lines[end]["against"] == against and lines[end]["fit"] != current:
-                end += 1
-            best = min(range(n, end), key=lambda i: _criterion(fits[lines[i]["fit"]]))
+            continue
+        else:
+            round_ = _round(lines, n, current)
+            best = min(round_, key=lambda i: _criterion(fits[lines[i]["fit"]]))
             kept = _pays(lines[best], fits, current)
             if _has_curve(lines[best], fits):  # it must also recur, which is a matter of fits to fewer recordings
                 kept = kept and lines[best]["kept"]
-            yield from ((i, kept and i == best) for i in range(n, end))
+            yield from ((i, kept and i == best) for i in round_)
             current = lines[best]["fit"] if kept else current
-            n = end
+            n += len(round_)
+            continue
+        yield n, kept
+        current = line["fit"] if kept else current
+        n += 1
+
+
+def _round(lines: Sequence[Line], first: int, current: str) -> range:
+    """All attempts from the `first` one on that were made on top of the same."""
+    end = first
+    while (
+        end < len(lines)
+        and lines[end]["rule"] == "score"
+        and lines[end]["against"] == lines[first]["against"]
+        and lines[end]["fit"] != current
+    ):
+        end += 1
+    return range(first, end)
 
 
 def _pays(line: Line, fits: Mapping[str, Fit], current: str) -> bool:

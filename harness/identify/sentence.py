@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from analytic.rig import Rig
+from harness.identify.attempts import explained
 from harness.identify.diagnosis import Diagnosis
-from harness.identify.select import explained
 from harness.identify.shape import Depends
 from harness.identify.verdict import Finding, Verdict
 from harness.identify.verify import Comparison
-from harness.report.numbers import measured, number
+from harness.numbers import measured, number
 
 _LISTED = 5  # of many names, before the rest is counted
 

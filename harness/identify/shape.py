@@ -67,6 +67,11 @@ class Shape:
         return self.low + self.step * np.arange(NODES, dtype=np.float64)
 
     @property
+    def name(self) -> str:
+        """As in the ledger."""
+        return f"curve of {self.depends}{' in friction' if self.friction else ''}"
+
+    @property
     def unit(self) -> str:
         """Of the nodes."""
         return "1" if self.friction else "m/s²"

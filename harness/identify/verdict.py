@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from analytic.rig import Rig
+from harness.identify.attempts import THRESHOLD, Entry, candidates, explained, found_in
 from harness.identify.fit import INFLATION, Fit, fit
 from harness.identify.hypothesis import Hypothesis, size
 from harness.identify.problem import Problem
 from harness.identify.remainder import remainder
-from harness.identify.select import THRESHOLD, Entry, candidates, explained, found_in, select
+from harness.identify.select import select
 
 _TWO_SIDED = 1.96
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
@@ -65,7 +66,7 @@ class Search:
 def search(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Search:
     """Find what acts, and say it."""
     base = fit(problem, Hypothesis(problem.unknown))
-    listed, ledger = select(problem, progress)
+    listed, ledger = select(problem, base, progress)
     found = listed
     if not explained(problem, listed):
         found, more = remainder(problem, listed, progress)
@@ -106,21 +107,28 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
             value = effect.values[parameter.name]
             reach = _TWO_SIDED * INFLATION * float(deviations[name, parameter.name])
             values[parameter.name] = value, value - reach, value + reach, parameter.unit
-    rest = tuple(other for other in found.hypothesis.names if other != name)
-    rivals = {
-        rival
-        for entry in ledger
-        if set(entry.beside) == set(rest) and entry.fit.score - found.score < RIVAL
-        for rival in entry.effect.split(" + ")
-        if rival not in found.hypothesis.names
-    }
-    rivals |= {
-        rival
-        for entry in ledger
-        if entry.kept and name in entry.effect.split(" + ") and entry.against.score - found.score < RIVAL
-        for rival in set(entry.against.hypothesis.names) - set(found.hypothesis.names)
-    }
-    return Finding(name, values, tuple(sorted(rivals)))
+    return Finding(name, values, tuple(sorted(_rivals(name, found, ledger))))
+
+
+def _rivals(name: str, found: Fit, ledger: Sequence[Entry]) -> set[str]:
+    """What does nearly as well in the place of an effect, or did before it and another took that place."""
+    rest = set(found.hypothesis.names) - {name}
+
+    def near(one: Fit) -> bool:
+        if (one.hypothesis.shape is None) != (found.hypothesis.shape is None):
+            return False
+        return (one.score if one.hypothesis.shape is None else one.bic) < RIVAL + (
+            found.score if found.hypothesis.shape is None else found.bic
+        )
+
+    rivals: set[str] = set()
+    for entry in ledger:
+        tried = entry.effect.split(" + ")
+        if set(entry.beside) == rest and name not in tried and near(entry.fit):
+            rivals |= set(tried)
+        if entry.kept and entry.rule == "split" and name in tried and near(entry.against):
+            rivals |= set(entry.against.hypothesis.names)
+    return rivals - set(found.hypothesis.names)
 
 
 def _unseen(ledger: Sequence[Entry], rig: Rig) -> tuple[str, ...]:

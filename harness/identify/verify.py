@@ -112,7 +112,7 @@ class Split:
 
 
 def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[Split, ...]:
-    """Each recording in turn, values fitted to the others; a single recording is split in the middle."""
+    """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
     made = []
     for rest, left in parts(problem):
         progress(f"held out: {', '.join(record.name for record in left)}")
@@ -132,12 +132,13 @@ def held_out(parts: Sequence[Split]) -> Comparison:
 
 
 def parts(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
-    """Recordings to fit to and recordings to judge on: each in turn, or the halves of a single one."""
+    """Recordings to fit to and recordings to judge on: each in turn, or halves of a single one's positions."""
     records = problem.records
     if len(records) > 1:
         return [(tuple(r for r in records if r is not left), (left,)) for left in records]
     (one,) = records
-    middle = len(one.time) // 2
+    known = np.flatnonzero(np.isfinite(one.reading))
+    middle = int(known[len(known) // 2])  # of what is known: there may be nothing after its first seconds
     halves = [_piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))]
     return [((halves[0],), (halves[1],)), ((halves[1],), (halves[0],))]
 

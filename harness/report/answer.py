@@ -11,7 +11,7 @@ import numpy as np
 from analytic.models import CAM
 from harness.compare.segments import Horizon
 from harness.compare.study import Study
-from harness.report.numbers import brief, length, number, plus_minus
+from harness.numbers import brief, length, number, plus_minus
 from harness.report.palette import label_of, names
 from harness.report.standing import COVERAGE, Standing, standings
 

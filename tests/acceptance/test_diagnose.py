@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from harness.virtual_rig import Experiment, write_case
 from tests.acceptance.conftest import Harness
+from tests.acceptance.short import write_short_case
 
 PARAMETER = {"value", "low", "high", "unit"}
 
@@ -47,4 +49,20 @@ def test_a_missing_case_is_refused(harness: Harness, tmp_path: Path) -> None:
     done = harness("diagnose", tmp_path / "nothing", "--out", tmp_path / "out")
     assert done.code == 2
     assert "there is no such file or folder" in done.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_predictions_into_one_file_are_refused(harness: Harness, tmp_path: Path) -> None:
+    """Exit with 2 before the search where one prediction would overwrite another, and write nothing."""
+    case = write_short_case(tmp_path / "case")
+    first, second = sorted(case.glob("*.csv"))
+    (case / "later").mkdir()
+    second.rename(case / "later" / first.name)
+    rig = case / "rig.toml"
+    rest = re.sub(r"(?ms)^\[recordings\].*?(?=^\[|\Z)", "", rig.read_text(encoding="utf-8"))
+    listed = f'[recordings]\nidentify = []\npredict = ["{first.name}", "later/{first.name}"]\n'
+    rig.write_text(f"{rest}\n{listed}", encoding="utf-8")
+    done = harness("diagnose", case, "--out", tmp_path / "out")
+    assert done.code == 2
+    assert f"later/{first.name} would both be predicted into prediction_{first.stem}.csv" in done.err
     assert not (tmp_path / "out").exists()

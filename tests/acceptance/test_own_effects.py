@@ -10,8 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from harness.commands.diagnose import input_hashes
+from harness.recording import load_case
 from harness.virtual_rig import Experiment, write_case
 from tests.acceptance.conftest import Harness
+from tests.acceptance.short import write_short_case
 
 FILE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "magnet.py"
 HIDDEN = {"force": 0.012, "centre": 0.33, "distance": 0.06}
@@ -41,7 +44,7 @@ def test_an_effect_of_ones_own_is_found(harness: Harness, tmp_path: Path) -> Non
         assert size["low"] < value < size["high"], key
         assert size["high"] - size["low"] < 0.05 * value, key
     assert found["errors"]["engines"].keys() >= {"mujoco", "pybullet"}
-    assert str(FILE) in found["inputs"]["hashes"]
+    assert FILE.name in found["inputs"]["hashes"]
     assert "--effects" in (out / "diagnosis.html").read_text(encoding="utf-8")
 
     blank, csv = case / "rec_03.csv", tmp_path / "predicted.csv"
@@ -84,4 +87,23 @@ def test_a_bad_file_is_refused(harness: Harness, tmp_path: Path) -> None:
     done = harness("diagnose", tmp_path, "--effects", file, "--out", tmp_path / "out")
     assert done.code == 2
     assert f"{file}, line 2: TypeError" in done.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_of_effects_is_known_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hash a file under one name from whatever folder it is given, so that a replay from another one finds it."""
+    case = load_case(write_short_case(tmp_path / "case"))
+    monkeypatch.chdir(FILE.parent)
+    assert input_hashes(case, [FILE]) == input_hashes(case, [Path(FILE.name)])
+    assert FILE.name in input_hashes(case, [FILE])
+
+
+def test_two_files_of_effects_with_one_name_are_refused(harness: Harness, tmp_path: Path) -> None:
+    """Exit with 2 where a replay could not tell two files of effects from each other, and write nothing."""
+    other = tmp_path / FILE.name
+    other.write_text(FILE.read_text(encoding="utf-8").replace('"magnet"', '"second_magnet"'), encoding="utf-8")
+    case = write_short_case(tmp_path / "case")
+    done = harness("diagnose", case, "--effects", FILE, "--effects", other, "--out", tmp_path / "out")
+    assert done.code == 2
+    assert f"{other}: another file that the diagnosis is made from has this name" in done.err
     assert not (tmp_path / "out").exists()

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 
+import pandas as pd
+
+from harness.calibration.page import FOLDER
 from harness.calibration.rows import Named, Row
 from harness.calibration.sizes import SIZES
 from harness.calibration.trials import Trial
@@ -41,3 +45,8 @@ def row(of: Trial, *found: Named, curve: str | None = None) -> Row:
     return Row(
         trial=of, source=SOURCE, verdict=verdict, named=found, depends_on=curve, unexplained=(9.0, 1.0), seconds=2.0
     )
+
+
+def committed(docs: Path) -> dict[str, pd.DataFrame]:
+    """The tables in `docs`, by name."""
+    return {path.stem: pd.read_csv(path) for path in sorted((docs / FOLDER).glob("*.csv"))}

@@ -10,7 +10,7 @@ import pytest
 
 from harness.calibration.pose import pose
 from harness.calibration.trials import PIVOT, Trial, plan
-from harness.identify.select import candidates
+from harness.identify.attempts import candidates
 from harness.recording import load_case
 
 

@@ -62,6 +62,15 @@ def test_what_failed_or_is_stale_is_computed_anew(tmp_path: Path) -> None:
     assert store.missing([right, broken]) == [broken]
 
 
+def test_rows_of_other_sources_may_have_other_fields(tmp_path: Path) -> None:
+    """Count what former sources wrote, and read what these wrote beside it."""
+    store = Store(tmp_path / "rows.jsonl", SOURCE)
+    store.path.write_text('{"source": "former", "trial": {"effect": "level_error"}}\n', encoding="utf-8")
+    store.append(ROWS[0])
+    assert list(store.rows().values()) == ROWS[:1]
+    assert store.sources() == {"former": 1, SOURCE: 1}
+
+
 def test_a_failure_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """Keep the text of what went wrong, so that no study hides it."""
 

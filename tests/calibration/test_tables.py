@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.calibration.publish import committed, publish
+from harness.calibration.publish import publish
 from harness.calibration.rows import Outcome, Row
 from harness.calibration.tables import ALL, rate, tables
 from harness.calibration.targets import targets
-from tests.calibration.made import SOURCE, named, row, trial
+from tests.calibration.made import SOURCE, committed, named, row, trial
 
 DAMPED = [
     row(trial("confusion", "viscous_damping", 0), named("viscous_damping", 1.1)),

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.calibration.publish import committed
 from harness.calibration.targets import Target, targets
+from tests.calibration.made import committed
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

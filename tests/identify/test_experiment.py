@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.identify.attempts import Entry
 from harness.identify.experiment import pairs_of, reveal, separate
 from harness.identify.fit import INFLATION, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.profiles import LIBRARY, room_of
 from harness.identify.proposal import MOST_RUNS, NOTHING, Proposal, Separation, sentence
 from harness.identify.rehearsal import rehearse
-from harness.identify.select import Entry
 from harness.identify.verdict import RIVAL
 from tests.identify.short_rig import GAIN, LEVEL, RADIUS, ROLLING, SEEDS, Short, short
 
@@ -180,6 +180,7 @@ def test_rivals_are_those_that_are_not_told_apart(radius: Short) -> None:
     assert (nearest.found, nearest.rival, nearest.fit) == (RADIUS, GAIN, radius.rival)
     assert nearest.needed == pytest.approx(math.sqrt(RIVAL))  # as many numbers as the found one
     assert pairs_of(radius.found, entries[:1], {}, RIVAL) == []
+    assert pairs_of(radius.found, entries, {RADIUS: ("track_bump",)}, RIVAL) == [nearest]  # never tried in its place
 
 
 def told(proposal: Proposal, one: Separation) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +11,7 @@ from harness.identify.fit import INFLATION, fit
 from harness.identify.forecast import forecast
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.prepare import record_of
-from harness.identify.verify import KNOWN, windows
+from harness.identify.verify import KNOWN, parts, windows
 from tests.identify.conftest import Posed
 
 
@@ -41,3 +42,25 @@ def test_windows_tile_what_is_predicted() -> None:
         assert each[-1][1] <= time[-1] < each[-1][1] + length + 1e-6
         np.testing.assert_allclose(np.diff(each), length)
         assert all(before[1] == after[0] for before, after in pairwise(each))
+
+
+def test_a_covariance_rounded_below_zero_widens_nothing(plain: Posed) -> None:
+    """Give the band of certain values where a variance of a badly determined fit came out just below zero."""
+    problem, record = plain.problem, plain.problem.records[0]
+    found = fit(problem, Hypothesis(("level_error",)))
+    certain, below = (
+        forecast(problem, replace(found, covariance=np.array([[variance]])), record, record.reading)
+        for variance in (0.0, -1e-12)
+    )
+    np.testing.assert_array_equal(below.deviation, certain.deviation)
+
+
+def test_a_single_recording_is_split_where_half_is_known(plain: Posed) -> None:
+    """Leave half of the positions in either part, also where none is known after the first seconds."""
+    (one, *_) = plain.problem.records
+    blank = replace(one, reading=np.where(one.time < one.time[0] + 3.0, one.reading, np.nan))
+    ((first,), (second,)), _ = parts(replace(plain.problem, records=(blank,)))
+    known = [int(np.isfinite(each.reading).sum()) for each in (first, second)]
+    assert 0 <= known[1] - known[0] <= 1
+    np.testing.assert_array_equal(np.concatenate((first.time, second.time)), one.time)
+    assert second.origin == second.reading[0]

@@ -10,12 +10,12 @@ from scipy.stats import chi2
 
 from analytic.effects import Acting, acting
 from analytic.motion import FloatArray
+from harness.identify.attempts import explained
 from harness.identify.fit import fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.innovations import SPIKE, _general, _plain, penalty
 from harness.identify.prepare import problem_of
 from harness.identify.problem import Problem
-from harness.identify.select import explained
 from harness.recording import load_case
 from harness.virtual_rig import Experiment, write_case
 from tests.identify.conftest import Posed, pose

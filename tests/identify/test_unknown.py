@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from analytic.rig import Rig
+from harness.identify.attempts import candidates, explained, found_in, hidden_by
 from harness.identify.fit import INFLATION, Fit, fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.prepare import problem_of
 from harness.identify.problem import Problem
-from harness.identify.select import candidates, explained, found_in, hidden_by
 from harness.identify.verdict import Verdict, search
 from harness.recording import load_case
 from harness.virtual_rig import Experiment, write_case

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.commands.diagnose import as_record
+from harness.commands.diagnose import as_record, input_hashes
 from harness.compare.setting import ball_of
+from harness.identify.attempts import Entry
 from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.fit import fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.independence import SIGNIFICANT
 from harness.identify.prepare import problem_of
-from harness.identify.select import Entry
 from harness.identify.shape import Depends, blank, visited
 from harness.identify.trace import trace
 from harness.identify.verdict import Finding, Verdict
@@ -75,7 +75,7 @@ def diagnosis(case):
 @pytest.fixture(scope="module")
 def record(diagnosis, case):
     """What is written to diagnosis.json."""
-    return as_record(diagnosis, case, 1.0)
+    return as_record(diagnosis, case, 1.0, input_hashes(case))
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +182,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
 def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
     none = replace(diagnosis, verdict=Verdict.NONE, findings=(), found=diagnosis.base, heldout=diagnosis.heldout)
-    page = render_diagnosis(none, as_record(none, case, 1.0), case)
+    page = render_diagnosis(none, as_record(none, case, 1.0, input_hashes(case)), case)
     assert "Nothing is missing beyond the noise" in page
     assert "What was missing" not in page
     assert 'id="rivals"' not in page
@@ -194,7 +194,7 @@ def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
     entry = Entry("curve of position", (), diagnosis.base.bic - found.bic, True, "gains", found, diagnosis.base)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=(*diagnosis.ledger, entry))
-    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0), case)
+    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the curve") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(curve.nodes)

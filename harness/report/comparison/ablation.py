@@ -8,10 +8,10 @@ from markupsafe import Markup
 
 from analytic.models import Reading
 from harness.compare.ablation import Combination
+from harness.numbers import aligned, length, number
 from harness.report.comparison.friction import READING_LABELS
 from harness.report.comparison.horizons import floor
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import aligned, length, number
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from harness.compare.attribution import Attribution
+from harness.numbers import length, number, percent
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import length, number, percent
 from harness.report.page import Section
 from harness.report.palette import label_of, swatch
 from harness.report.plots import WIDTH, Picture, picture, style

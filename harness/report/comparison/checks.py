@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
+from harness.numbers import fixed, number
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import fixed, number
 from harness.report.page import Section
 from harness.report.palette import swatch
 from harness.report.tables import Column, Row, Table

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from harness.numbers import number
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import number
 from harness.report.page import Section
 from harness.report.palette import INK
 from harness.report.plots import WIDTH, Picture, band, frame, picture, style, thinning

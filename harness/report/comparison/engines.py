@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from harness.compare.sources import SourceRuns
 from harness.engines.health import Health
+from harness.numbers import fixed, length, number
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import fixed, length, number
 from harness.report.page import Section
 from harness.report.palette import label_of, swatch
 from harness.report.tables import Column, Row, Table

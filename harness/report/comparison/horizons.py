@@ -11,10 +11,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.compare.segments import Horizon
+from harness.numbers import number, plus_minus
 from harness.report.answer import still_error
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import number, plus_minus
 from harness.report.page import Section
 from harness.report.palette import INK, UNCERTAINTY_COLOUR, look_of, swatch
 from harness.report.plots import WIDTH, Picture, picture, plain_log, sample, style

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from harness.compare.unknown import Estimate
+from harness.numbers import length, number, plus_minus
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import length, number, plus_minus
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 

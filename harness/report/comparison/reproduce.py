@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from harness.numbers import NONE, brief
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import NONE, brief
 from harness.report.page import Section
 
 _SHOWN_ELSEWHERE = ("settings",)  # rig and estimates under Inputs, parameters under Engines

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 from harness.errors import EngineFailure
 from harness.metrics import Score
+from harness.numbers import aligned, brief, fixed, plus_minus
 from harness.recording.findings import Finding
 from harness.report.answer import answer
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import aligned, brief, fixed, plus_minus
 from harness.report.page import Section
 from harness.report.palette import swatch
 from harness.report.standing import Standing

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from harness.compare.segments import Horizon
 from harness.metrics import METRICS
+from harness.numbers import fixed, number
 from harness.report.comparison.subject import Subject
-from harness.report.numbers import fixed, number
 from harness.report.page import Section
 from harness.report.palette import label_of
 from harness.report.tables import Column, Row, Table

@@ -11,8 +11,8 @@ from harness.compare.setting import ball_of
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem import Record
 from harness.identify.trace import Trace, trace
+from harness.numbers import brief
 from harness.recording import Case
-from harness.report.numbers import brief
 from harness.report.palette import Look
 
 MODEL = Look("the model as declared", "#0072B2", (5.0, 2.0), 1.6, 5)

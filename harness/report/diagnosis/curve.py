@@ -15,9 +15,9 @@ from harness.identify.problem import Record
 from harness.identify.sentence import DEPENDENCES
 from harness.identify.shape import Depends, Shape
 from harness.identify.trace import Trace, trace
+from harness.numbers import number
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.diagnosis.trace import LEFT
-from harness.report.numbers import number
 from harness.report.page import Section
 from harness.report.palette import INK
 from harness.report.plots import WIDTH, Picture, band, binned, frame, picture, sample, style

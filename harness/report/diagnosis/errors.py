@@ -13,8 +13,8 @@ from harness.identify.in_engines import entries
 from harness.identify.independence import SIGNIFICANT
 from harness.identify.sentence import error_size, words
 from harness.identify.verify import KNOWN, Comparison, Errors
+from harness.numbers import NONE, brief, fixed, number
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import NONE, brief, fixed, number
 from harness.report.page import Section
 from harness.report.plots import WIDTH, Picture, picture, plain_log, style
 from harness.report.tables import Column, Row, Table

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from harness.identify.proposal import FILE, NOTHING, Proposal, sentence
+from harness.numbers import brief, fixed, length
 from harness.report.diagnosis.account import FOUND, Account
-from harness.report.numbers import brief, fixed, length
 from harness.report.page import Section
 from harness.report.palette import INK
 from harness.report.plots import WIDTH, Picture, line, picture, style, thinning

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from harness.numbers import fixed
 from harness.report.diagnosis.account import Account
-from harness.report.numbers import fixed
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from analytic.motion import FloatArray
+from harness.numbers import number
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import number
 from harness.report.page import Section
 from harness.report.palette import INK, Look
 from harness.report.plots import WIDTH, Picture, band, binned, frame, line, picture, sample, style, thinning

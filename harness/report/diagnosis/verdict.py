@@ -14,8 +14,8 @@ from harness.identify.independence import SIGNIFICANT
 from harness.identify.sentence import error_size, sentence, words
 from harness.identify.verdict import RIVAL
 from harness.identify.verify import KNOWN
+from harness.numbers import NONE, brief, number
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import NONE, brief, number
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
 from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning

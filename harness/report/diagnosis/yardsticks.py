@@ -7,8 +7,8 @@ import numpy as np
 from harness.identify.contest import AFTER, BEFORE, BLACK_BOX, INTEGRATOR, YARDSTICKS, Contest, Margin
 from harness.identify.verify import KNOWN
 from harness.identify.yardsticks import AHEAD
+from harness.numbers import NONE, brief, length
 from harness.report.diagnosis.account import FOUND, MODEL, Account
-from harness.report.numbers import NONE, brief, length
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 

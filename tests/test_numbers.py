@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from harness.report.numbers import aligned, brief, fixed, length, measured, number, percent, plus_minus
+from harness.numbers import aligned, brief, fixed, length, measured, number, percent, plus_minus
 
 
 @pytest.mark.parametrize(

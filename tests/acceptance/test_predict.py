@@ -1,0 +1,63 @@
+"""`harness predict`: what a user gets, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import stat
+from pathlib import Path
+
+import pytest
+
+from harness.identify.fit import fit
+from harness.identify.hypothesis import Hypothesis
+from harness.identify.keep import model_record
+from harness.identify.prepare import problem_of
+from harness.outputs import to_json
+from harness.recording import load_case
+from tests.acceptance.conftest import Harness
+from tests.acceptance.short import write_short_case
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A case with the diagnosis.json of a model that nothing was missing from."""
+    folder = write_short_case(tmp_path_factory.mktemp("predict") / "case")
+    read = load_case(folder)
+    problem, _ = problem_of(read)
+    model = model_record(problem, fit(problem, Hypothesis(())), read.sensors)
+    (folder / "diagnosis.json").write_text(to_json({"model": model}), encoding="utf-8")
+    return folder
+
+
+def test_a_prediction_is_a_file_like_any_other(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """Write the table alone into the folder, to be read by whoever may read what else is written there."""
+    out = tmp_path / "out" / "predicted.csv"
+    done = harness("predict", case, next(case.glob("*.csv")), "--out", out)
+    assert done.code == 0, done.err
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+    assert out.read_text(encoding="utf-8").startswith("time_s,ball_position_m,low_m,high_m\n")
+    plain = tmp_path / "plain"
+    plain.touch()
+    assert stat.S_IMODE(out.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
+
+
+def test_a_prediction_that_cannot_be_put_leaves_nothing(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """Exit with 2 where a folder has the name of the table, and leave no unfinished file beside it."""
+    taken = tmp_path / "out" / "predicted.csv"
+    taken.mkdir(parents=True)
+    done = harness("predict", case, next(case.glob("*.csv")), "--out", taken)
+    assert done.code == 2
+    assert f"{taken}: is a folder" in done.err
+    assert list(taken.parent.iterdir()) == [taken]
+
+
+@pytest.mark.parametrize("part", ["sensors", "rig"])
+def test_a_diagnosis_of_another_version_is_refused(harness: Harness, case: Path, tmp_path: Path, part: str) -> None:
+    """Exit with 2 and say to diagnose anew where the rig or its sensors have fields that this version does not know."""
+    record = json.loads((case / "diagnosis.json").read_text(encoding="utf-8"))
+    record["model"][part]["of_another_version"] = 1.0
+    (tmp_path / "diagnosis.json").write_text(json.dumps(record), encoding="utf-8")
+    done = harness("predict", tmp_path, next(case.glob("*.csv")))
+    assert done.code == 2
+    assert "is no diagnosis that this version can use" in done.err
+    assert "diagnose anew" in done.err
