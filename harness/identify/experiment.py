@@ -10,15 +10,12 @@ rival's numbers then have to do for all of them, and what the process noise take
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
 
 from analytic.effects import CATALOGUE, Acting
-from harness.identify.attempts import THRESHOLD, Entry
+from harness.identify.attempts import THRESHOLD, Entry, side_by_side
 from harness.identify.fit import INFLATION, Fit
 from harness.identify.hypothesis import Values
 from harness.identify.problem import Problem
@@ -28,8 +25,8 @@ from harness.identify.rehearsal import Rehearsed, rehearse, with_others
 from harness.identify.separation import Noises, drift, mean_innovations, regained
 
 _ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps of rivals, and on how many of the best moves; on the others one step
-_S = TypeVar("_S")
-_T = TypeVar("_T")
+_WORTH = 0.5  # σ, as far as expected and reached separations differ: a smaller gain is none
+_EQUAL = 1.0  # of the deviance, within which two laws explain the same
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class Pair:
 
 
 def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: float | None = None) -> Proposal | None:
-    """The move that separates `found` best from all its rivals; `None` where the rig can make none.
+    """The move that separates `found` best from all its rivals; `None` where none is left to make that would tell more.
 
     Args:
         pairs: at least one.
@@ -60,17 +57,19 @@ def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: flo
         new = [regained(problem, made, pair.fit, noises, rounds=rounds) for pair in pairs]
         return [_sigma(old + more) for old, more in zip(at_hand, new, strict=True)]
 
-    rehearsed = [one for one in _side_by_side(attempt, LIBRARY) if one is not None]
+    rehearsed = [one for one in side_by_side(attempt, LIBRARY) if one is not None]
     if not rehearsed:
         return None
-    looked = dict(zip(rehearsed, _side_by_side(partial(apart, rounds=1), rehearsed), strict=True))
+    looked = dict(zip(rehearsed, side_by_side(partial(apart, rounds=1), rehearsed), strict=True))
     best = sorted(rehearsed, key=lambda one: -min(looked[one]))[:_REFINED]
-    looked |= dict(zip(best, _side_by_side(partial(apart, rounds=_ROUNDS), best), strict=True))
+    looked |= dict(zip(best, side_by_side(partial(apart, rounds=_ROUNDS), best), strict=True))
     chosen = max(best, key=lambda one: min(looked[one]))
     separations = tuple(
         Separation(pair.found, pair.rival, _sigma(old), sigma, pair.needed)
         for pair, old, sigma in zip(pairs, at_hand, looked[chosen], strict=True)
     )
+    if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
+        return None
     tried = {one.record.name: min(looked[one]) for one in rehearsed}
     return _proposal(problem, found, room, chosen, separations, tried)
 
@@ -103,7 +102,7 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
         shares = [one / enough for one, enough in zip(sigmas, needed, strict=True)]
         return sum(share >= 1.0 for share in shares), sum(min(share, 1.0) for share in shares)
 
-    tried = [one for one in _side_by_side(attempt, LIBRARY) if one is not None]
+    tried = [one for one in side_by_side(attempt, LIBRARY) if one is not None]
     if not tried:
         return None
     chosen, sigmas = max(tried, key=lambda one: worth(one[1]))
@@ -138,11 +137,16 @@ def pairs_of(
             fits = [one.fit for one in ledger if rival in one.effect.split(" + ") and set(one.beside) == rest]
             if fits:  # what a split replaced was never tried beside what came of it
                 pairs.append(pair(name, rival, fits))
-    others = [one.fit for one in ledger if _own(one.fit, found) and _own(found, one.fit)]
+    others = [one.fit for one in ledger if _own(one.fit, found) and _own(found, one.fit) and not _holds(one.fit, found)]
     if not pairs and others:
         nearest = min(others, key=lambda one: one.score)
         pairs.append(pair(" + ".join(_own(found, nearest)), " + ".join(_own(nearest, found)), [nearest]))
     return pairs
+
+
+def _holds(one: Fit, found: Fit) -> bool:
+    """Whether a law of more numbers explains as much: it holds what was found, and no recording tells them apart."""
+    return len(one.numbers) > len(found.numbers) and one.deviance < found.deviance + _EQUAL
 
 
 def _own(one: Fit, other: Fit) -> list[str]:
@@ -152,12 +156,6 @@ def _own(one: Fit, other: Fit) -> list[str]:
     if shape is not None and (theirs is None or (shape.depends, shape.friction) != (theirs.depends, theirs.friction)):
         mine.append(shape.name)
     return mine
-
-
-def _side_by_side(attempt: Callable[[_S], _T], each: Sequence[_S]) -> list[_T]:
-    """All attempts, in order; threads do, because the compiled filter runs without the interpreter's lock."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(attempt, each))
 
 
 def _sigma(deviance: float) -> float:

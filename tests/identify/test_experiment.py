@@ -183,6 +183,18 @@ def test_rivals_are_those_that_are_not_told_apart(radius: Short) -> None:
     assert pairs_of(radius.found, entries, {RADIUS: ("track_bump",)}, RIVAL) == [nearest]  # never tried in its place
 
 
+def test_a_law_that_holds_what_was_found_is_no_rival(radius: Short) -> None:
+    """Ask for nothing that tells a law from itself with a number more, for no recording does."""
+    wider = replace(radius.rival, numbers=np.zeros(2), deviance=radius.found.deviance)
+    entries = [Entry(GAIN, (), 0.0, False, "", wider, radius.found)]
+    assert pairs_of(radius.found, entries, {RADIUS: ()}, RIVAL) == []
+
+
+def test_recordings_that_have_told_ask_for_no_more(radius: Short) -> None:
+    """Propose nothing where what is to be told apart is, and no move would add to it."""
+    assert separate(radius.problem, radius.found, [replace(radius.pair, fit=radius.found, needed=0.0)]) is None
+
+
 def told(proposal: Proposal, one: Separation) -> str:
     """The sentence for one separation."""
     return sentence(replace(proposal, separations=(one,)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from harness.identify.attempts import Entry
+from harness.identify.fit import INFLATION
 from harness.identify.verdict import RIVAL, Finding
 from harness.numbers import fixed
 from harness.report.diagnosis.account import Account
@@ -10,6 +11,7 @@ from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 
 _MOST = 6  # of one table; what comes after is far behind
+_FAR = 1000.0  # behind: looked at only, and not fitted
 
 
 def section(account: Account) -> Section | None:
@@ -19,7 +21,11 @@ def section(account: Account) -> Section | None:
     tables = [_of_effect(account, one) for one in account.diagnosis.findings]
     if account.diagnosis.found.best.shape is not None:
         tables += _of_curve(account)
-    context = {"tables": [table for table in tables if table.rows], "near": f"{RIVAL:g}"}
+    context = {
+        "tables": [table for table in tables if table.rows],
+        "near": f"{RIVAL:g}",
+        "counts": fixed(INFLATION**-2, 2),
+    }
     return Section("rivals", "Rivals", "Rivals", "diagnosis/rivals.html", context)
 
 
@@ -64,7 +70,7 @@ def _table(account: Account, caption: str, others: list[Entry]) -> Table:
         Column("told apart", text=True),
     ]
     rows = []
-    for one in sorted(others, key=behind)[:_MOST]:
+    for one in sorted((one for one in others if behind(one) < _FAR), key=behind)[:_MOST]:
         told = "yes" if behind(one) >= RIVAL else "no"
         rows.append(Row((f"`{one.effect}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
     return Table(caption, columns, rows)

@@ -30,7 +30,8 @@ def section(account: Account) -> Section:
         "sentence": sentence(account.diagnosis),
         "glance": _glance(account),
         "found": _found(account) if account.diagnosis.findings else None,
-        "unseen": account.diagnosis.unseen,
+        # Beside a curve nothing was tried again, and without it the process noise hides what is small.
+        "unseen": () if account.diagnosis.found.best.shape is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
         "picture": _before_after(account),
     }
