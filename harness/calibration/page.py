@@ -29,6 +29,7 @@ A trial is a case of two recordings of 16 s at 100 Hz in closed loop with random
   of the other throws the ball off an engine's edges.
 - **Sensors.** An encoder of 40,000 counts a turn (fine) or the paper's 4,096; 0.2–0.6 mm of noise in the position; in a
   fifth of the trials 0.5 % of the positions are spikes of 10–60 mm.
+- **Not tried.** Second thoughts (docs/diagnosis.md, How, step 5) need more windows than two such recordings have.
 - **Declared.** Rolling resistance, a level error, both or none act besides and are declared.
 - **Sizes.** Factors of a middle one: {sizes}; drawn within ± {spread:.0f} %, with a random sign where there is one
   (`harness/calibration/sizes.py`).

@@ -1,8 +1,8 @@
 """Second thoughts where much is left unexplained: what predicts windows of recordings that it was not fitted to?
 
 The likelihood judges the next reading. Where neither the catalogue nor a curve brings the process noise near what the
-angle's error gives, the next reading is ruled by what nobody has modelled, and the likelihood may keep a curve that
-misleads over seconds, or see nothing of a law that helps. There the verdict is left to the windows of the contest
+angle's error gives, the next reading is ruled by what nobody has modelled, and the likelihood may keep a law or a curve
+that misleads over seconds, or see nothing of one that helps. There the verdict is left to the windows of the contest
 (`harness.identify.contest`): 2 s known, 3 s predicted, by fits to the other recordings.
 """
 
@@ -38,7 +38,10 @@ def reconsider(said: Search, progress: Progress = lambda _: None) -> Search:
         return said
     found, ledger = said.found, list(said.ledger)
     if found.hypothesis.shape is not None:
-        found = _without_curve(problem, found, ledger, progress)
+        plain = next(one.against for one in ledger if one.kept and one.fit.hypothesis.shape is not None)
+        found = _unless_worse(problem, found, plain, found.hypothesis.shape.name, ledger, progress)
+    if found.hypothesis.shape is None and found_in(problem, found):
+        found = _unless_worse(problem, found, said.base, " + ".join(found_in(problem, found)), ledger, progress)
     while len(found_in(problem, found)) < _MOST and found.hypothesis.shape is None:
         better = _better(problem, found, ledger, progress)
         if better is None:
@@ -47,16 +50,14 @@ def reconsider(said: Search, progress: Progress = lambda _: None) -> Search:
     return said if found is said.found else judged(problem, said.base, found, ledger)
 
 
-def _without_curve(problem: Problem, found: Fit, ledger: list[Entry], progress: Progress) -> Fit:
-    """Drop a curve that predicts worse than what the catalogue had found."""
-    plain = next(one.against for one in ledger if one.kept and one.fit.hypothesis.shape is not None)
-    progress("the curve on windows that it has not seen")
+def _unless_worse(problem: Problem, found: Fit, plain: Fit, name: str, ledger: list[Entry], progress: Progress) -> Fit:
+    """`found`, or `plain`, which is it without what is named, where that predicts better."""
+    progress(f"{name} on windows that it has not seen")
     before, after = (held_out_misses(problem, one) for one in (plain, found))
     if np.mean(after**2) < np.mean(before**2):
         return found
     because = f"predicts held-out windows worse, by {_rms(after):.3g} m against {_rms(before):.3g} m RMS"
-    assert found.best.shape is not None
-    ledger.append(_entry(found.best.shape.name, plain, found, kept=False, because=because))
+    ledger.append(_entry(name, plain, found, kept=False, because=because))
     return plain
 
 
