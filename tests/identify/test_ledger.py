@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -102,3 +103,21 @@ def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, A
     other = pose(tmp_path / "case", 1, HIDDEN).problem
     said = [one.what for one in replay(kept, other).mismatches]
     assert sum("deviance" in one for one in said) == len(kept["fits"])
+
+
+def test_a_search_that_began_again_replays(
+    searched: tuple[Problem, list[Entry]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Find the decisions again of a search that tried a runner-up as well, and held both ends against each other."""
+    problem = searched[0]
+    base = fit(problem, Hypothesis(()))
+    for name, value in (
+        ("explained", lambda *_: False),
+        ("_SHARE", 0.0),
+        ("_NEARLY", math.inf),
+    ):  # as if much were left
+        monkeypatch.setattr(f"harness.identify.select.{name}", value)
+    _, ledger = select(problem, base)
+    assert {"again", "either"} <= {entry.rule for entry in ledger}
+    record = json.loads(to_json(ledger_record(problem, base, ledger, INPUTS)))
+    assert replay(record, problem).mismatches == ()
