@@ -29,7 +29,6 @@ from analytic.models import (
     LAW_SLOTS,
     LEVEL,
     LINEAR,
-    NODES,
     ORIGIN,
     PHASE,
     QUADRATIC,
@@ -37,6 +36,7 @@ from analytic.models import (
     RESPONSE,
     ROLL,
     SHAPE,
+    SHAPE_COUNT,
     SHAPE_LOW,
     SHAPE_NODES,
     SHAPE_STEP,
@@ -51,7 +51,15 @@ from analytic.motion import FloatArray
 
 # What a curve depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the ball or
 # a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
-OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_TIME = 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
+OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
+    1.0,
+    2.0,
+    3.0,
+    4.0,
+    5.0,
+    6.0,
+    7.0,
+)
 _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
 
@@ -80,7 +88,7 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
     if p[QUADRATIC] != 0.0:
         result -= p[QUADRATIC] * abs(v) * v
     if p[IMBALANCE] != 0.0:
-        result += p[IMBALANCE] * np.sin((s - p[ORIGIN]) * p[ROLL] + p[PHASE])
+        result += p[IMBALANCE] * np.sin(rolled(s, p))
     if p[SHAPE] == OF_POSITION:
         result += p[RESPONSE] * curve(s, p)
     elif p[SHAPE] == OF_VELOCITY:
@@ -88,7 +96,7 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
     elif p[SHAPE] == OF_ANGLE:
         result += p[RESPONSE] * curve(angle, p)
     elif p[SHAPE] == OF_ROLL:
-        result += p[RESPONSE] * curve(((s - p[ORIGIN]) * p[ROLL]) % (2.0 * np.pi), p)
+        result += p[RESPONSE] * curve(rolled(s, p), p)
     if len(p) > SLOTS:
         result += p[RESPONSE] * laws(s, v, angle, p)
     reading = int(p[READING])
@@ -105,11 +113,38 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
 
 @njit(cache=True)
 def curve(at: float, p: FloatArray) -> float:
-    """A curve through the nodes of the vector, linear between them and constant beyond [m/s²]."""
-    place = min(max((at - p[SHAPE_LOW]) / p[SHAPE_STEP], 0.0), NODES - 1.0)
-    node = min(int(place), NODES - 2)
-    part = place - node
-    return (1.0 - part) * p[SHAPE_NODES + node] + part * p[SHAPE_NODES + node + 1]
+    """A curve through the nodes of the vector: cubic between them, slopes after Catmull and Rom, constant beyond.
+
+    One of the rolled angle repeats itself after its last node.
+    """
+    count = int(p[SHAPE_COUNT])
+    place = (at - p[SHAPE_LOW]) / p[SHAPE_STEP]
+    if p[SHAPE] == OF_ROLL or p[SHAPE] == DRY_OF_ROLL:
+        node = int(np.floor(place))
+        t = place - node
+        before, here = p[SHAPE_NODES + (node - 1) % count], p[SHAPE_NODES + node % count]
+        there, after = p[SHAPE_NODES + (node + 1) % count], p[SHAPE_NODES + (node + 2) % count]
+    else:
+        place = min(max(place, 0.0), count - 1.0)
+        node = min(int(place), count - 2)
+        t = place - node
+        here, there = p[SHAPE_NODES + node], p[SHAPE_NODES + node + 1]
+        before = p[SHAPE_NODES + node - 1] if node > 0 else 2.0 * here - there
+        after = p[SHAPE_NODES + node + 2] if node < count - 2 else 2.0 * there - here
+    low, high, rise = 0.5 * (there - before), 0.5 * (after - here), there - here
+    return here + t * (low + t * (3.0 * rise - 2.0 * low - high + t * (low + high - 2.0 * rise)))
+
+
+@njit(cache=True)
+def curve_at(where: FloatArray, p: FloatArray) -> FloatArray:
+    """`curve` at each of `where`, shape (n,); the same shape."""
+    return np.array([curve(at, p) for at in where])
+
+
+@njit(cache=True)
+def rolled(s: float, p: FloatArray) -> float:
+    """The angle by which the ball lies turned, from a mark on it [rad]."""
+    return (s - p[ORIGIN]) * p[ROLL] + p[PHASE]
 
 
 @njit(cache=True)
@@ -158,6 +193,8 @@ def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, ang
     coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
     if p[SHAPE] == DRY_OF_POSITION:
         coefficient += curve(s, p)
+    elif p[SHAPE] == DRY_OF_ROLL:
+        coefficient += curve(rolled(s, p), p)
     if p[DRY_STATIC] != 0.0:
         ratio = v / p[STRIBECK_VELOCITY]
         coefficient += p[DRY_STATIC] * np.exp(-ratio * ratio)

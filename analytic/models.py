@@ -108,9 +108,9 @@ BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
 IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
 TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]: what slipping needs
 DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
-SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_NODES = 31, 32, 33, 34  # a curve of unknown law: see `analytic.law.curve`
-NODES = 12
-SLOTS = SHAPE_NODES + NODES
+SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_COUNT, SHAPE_NODES = range(31, 36)  # a curve of unknown law: `analytic.law.curve`
+MOST_NODES = 24
+SLOTS = SHAPE_NODES + MOST_NODES
 # Behind the slots stands a block for each force law of an effect of the user's own, so that none costs where there is
 # none: what it depends on, first node, distance of nodes, then the nodes, with two more beyond either end for slopes.
 LAW_NODES, LAW_MARGIN = 513, 2

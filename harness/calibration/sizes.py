@@ -86,6 +86,7 @@ UNLISTED_SCALES: Mapping[str, Scale] = {
     "cubic_drag": Scale(middle={"coefficient": 0.8}),
     "cable_pull": Scale(middle={"force": 0.008}, fixed={"frequency": (50.0, 70.0)}, signed=True),
     "sticky_spot": Scale(middle={"coefficient": 0.015}, fixed={"width": (0.25, 0.35)}),
+    "out_of_round": Scale(middle={"torque": 5e-5}, signed=True),
 }
 """Every structure that no catalogue has."""
 

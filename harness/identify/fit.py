@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares, lsq_linear, minimize_scalar
 
 from analytic.motion import FloatArray
-from harness.identify.hypothesis import IMBALANCE, Hypothesis, Values, phase_of
+from harness.identify.hypothesis import Hypothesis, Values, phase_of
 from harness.identify.innovations import penalty
 from harness.identify.problem import Problem
 
@@ -87,7 +87,7 @@ class Fit:
     def values(self) -> dict[tuple[str, str], float]:
         """Value of every (effect, parameter), and the phases of the recordings where there are any."""
         values = {(one.effect.name, key): value for one in self.best.effects for key, value in one.values.items()}
-        if IMBALANCE in self.hypothesis.names:
+        if self.hypothesis.turning:
             values |= {phase_of(name): phase for name, phase in zip(self.best.records, self.best.phases, strict=True)}
         return values
 

@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.fit import INFLATION, Fit
-from harness.identify.hypothesis import IMBALANCE
 from harness.identify.innovations import penalty
 from harness.identify.problem import Filtered, Problem, Record
 
 _DRAWS = 48
+_TURN = np.linspace(0.0, 2.0 * math.pi, 36, endpoint=False)  # where φ₀ is looked for first
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def _root(covariance: FloatArray) -> FloatArray:
 
 def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
     """φ₀ of a recording, at which its readings are likeliest [rad]."""
-    if IMBALANCE not in found.hypothesis.names:
+    if not found.hypothesis.turning:
         return 0.0
     names = [one.name for one in problem.records]
     if record.name in names:
@@ -91,4 +92,6 @@ def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) 
         out = problem.filtered(record, found.best.effects, phase, found.density, found.best.shape, reading)
         return float(np.sum(np.log(out.spread[use]) + penalty(out.miss[use] / np.sqrt(out.spread[use]))))
 
-    return min(np.linspace(1e-6, 2.0 * math.pi, 37), key=deviance)
+    near = min(_TURN, key=deviance)
+    found_at = minimize_scalar(deviance, bounds=(near - _TURN[1], near + _TURN[1]), method="bounded")
+    return float(found_at.x)

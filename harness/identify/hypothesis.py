@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 
 from analytic.effects import CATALOGUE, Acting, Effect, Parameter
-from analytic.models import NODES
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.identify.problem import Problem
@@ -76,8 +75,8 @@ class Values:
 class Hypothesis:
     """Effects by name, in the order in which they were found, and possibly a curve of unknown law.
 
-    Numbers are scaled by each parameter's typical size. After the effects' come the angles φ₀ of a ball out of
-    balance, one a recording, then the nodes of the curve.
+    Numbers are scaled by each parameter's typical size. After the effects' come the angles φ₀ at which the
+    ball lies at the start, one a recording, where they matter, then the nodes of the curve.
     """
 
     names: tuple[str, ...]
@@ -97,9 +96,14 @@ class Hypothesis:
     def _each(self) -> list[Parameter]:
         return [parameter for effect in self.effects for parameter in effect.parameters]
 
+    @property
+    def turning(self) -> bool:
+        """Whether it matters how the ball lies at the start of each recording."""
+        return IMBALANCE in self.names or (self.shape is not None and self.shape.turning)
+
     def _tail(self, problem: Problem) -> tuple[int, int]:
         """How many phases and how many nodes of a curve."""
-        return len(problem.records) if IMBALANCE in self.names else 0, NODES if self.shape else 0
+        return len(problem.records) if self.turning else 0, len(self.shape.nodes) if self.shape else 0
 
     def size(self, problem: Problem) -> int:
         """How many numbers are fitted."""
@@ -139,8 +143,8 @@ class Hypothesis:
             each = {p.name: float(values[at + i]) for i, p in enumerate(effect.parameters)}
             acting.append(Acting(effect, each))
             at += len(effect.parameters)
-        phases = values[at : at + len(problem.records)] if IMBALANCE in self.names else np.zeros(len(problem.records))
-        shape = replace(self.shape, nodes=values[-NODES:]) if self.shape else None
+        phases = values[at : at + len(problem.records)] if self.turning else np.zeros(len(problem.records))
+        shape = replace(self.shape, nodes=values[-len(self.shape.nodes) :]) if self.shape else None
         return Values(tuple(record.name for record in problem.records), tuple(acting), phases, shape)
 
     def starts(self, problem: Problem, known: Mapping[tuple[str, str], float], density: float) -> list[FloatArray]:

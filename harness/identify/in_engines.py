@@ -149,7 +149,7 @@ class _Scene:
         self.rig: Rig = rig_with(problem.rig, declared)
         self.origin = record.origin / gain
         shape = found.best.shape
-        self.law = None if shape is None else _law(shape, problem.rig.gravity)
+        self.law = None if shape is None else _law(shape, phase, problem.rig.gravity)
         self.effects = _phased(declared, phase)
         self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
         self.delay = sum(one.values["delay"] for one in self.effects if one.effect.name == "channel_delay")
@@ -216,15 +216,15 @@ def _phased(effects: Sequence[Acting], phase: float) -> tuple[Acting, ...]:
     )
 
 
-def _law(shape: Shape, gravity: float) -> Law:
+def _law(shape: Shape, phase: float, gravity: float) -> Law:
     """A curve as it is written into the kernel's vector before every step."""
     without: dict[int, float] = {}
 
     def law(p: FloatArray, time: float) -> None:
         if shape.depends is not Depends.TIME:
-            shape.write(p)
+            shape.write(p, phase)
             return
-        at = float(shape.at(np.array(time)))
+        at = float(shape.at(np.array([time]))[0])
         for slot, value in ((DRY_PLUS, at), (DRY_MINUS, at)) if shape.friction else ((LEVEL, at / gravity),):
             p[slot] = without.setdefault(slot, float(p[slot])) + value
 

@@ -14,7 +14,7 @@ from harness.errors import InputError
 from harness.identify.fit import Fit
 from harness.identify.hypothesis import Hypothesis
 from harness.identify.problem import Problem, Record
-from harness.identify.shape import Depends, Shape
+from harness.identify.shape import Shape
 from harness.recording import Sensors
 
 
@@ -26,9 +26,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> dict[str, An
         "sensors": asdict(sensors),
         "declared": [{"name": one.effect.name, "values": dict(one.values)} for one in problem.declared],
         "effects": list(found.hypothesis.names),
-        "curve": None
-        if shape is None
-        else {"depends": str(shape.depends), "friction": shape.friction, "low": shape.low, "step": shape.step},
+        "curve": None if shape is None else shape.record(),
         "numbers": found.numbers.tolist(),
         "phases": len(problem.records),
         "covariance": found.covariance.tolist(),
@@ -56,9 +54,7 @@ def read_model(kept: Mapping[str, Any], record: Record, origin: str) -> tuple[Pr
     try:
         declared = tuple(acting(one["name"], one["values"]) for one in kept["declared"])
         problem = Problem((record,) * kept["phases"], Rig(**kept["rig"]), declared, kept["reading_variance_m2"])
-        curve = kept["curve"]
-        shape = curve and Shape(Depends(curve["depends"]), curve["friction"], curve["low"], curve["step"], np.zeros(0))
-        hypothesis = Hypothesis(tuple(kept["effects"]), shape)
+        hypothesis = Hypothesis(tuple(kept["effects"]), kept["curve"] and Shape.of(kept["curve"]))
         numbers = np.array(kept["numbers"], dtype=float)
         covariance = np.array(kept["covariance"], dtype=float).reshape(len(numbers), len(numbers))
         found = Fit(

@@ -45,9 +45,7 @@ def fit_record(one: Fit) -> dict[str, Any]:
     shape = one.hypothesis.shape
     return {
         "effects": [{"name": effect.name, "law": effect.law} for effect in one.hypothesis.effects],
-        "curve": None
-        if shape is None
-        else {"depends": str(shape.depends), "friction": shape.friction, "low": shape.low, "step": shape.step},
+        "curve": None if shape is None else shape.record(),
         "numbers": one.numbers.tolist(),
         "process_noise_m2_s3": one.density,
         "deviance": _finite(one.deviance),

@@ -176,7 +176,7 @@ class Problem:
         p[ORIGIN] = record.origin / self.sensor(effects)[0]
         table = record.table_with(every)
         if shape is not None:
-            shape.write(p)
+            shape.write(p, phase)
             table = shape.load(table, record.times, self.rig.gravity)
         return p, table
 
@@ -193,7 +193,7 @@ class Problem:
 
         Args:
             effects: beside those declared.
-            phase: φ₀ of the recording, for a ball that is out of balance [rad].
+            phase: φ₀, how the ball lies at the recording's start, where it matters [rad].
             density: of the process noise [m²/s³].
             shape: a curve of unknown law beside them.
             reading: other readings than the record's, shape (n,), NaN where there is none [m].

@@ -16,7 +16,7 @@ from harness.identify.ledger import digest, fit_hash, problem_record
 from harness.identify.problem import Problem
 from harness.identify.remainder import CURVE_THRESHOLD
 from harness.identify.settle import RARER
-from harness.identify.shape import Depends, Shape
+from harness.identify.shape import Shape
 
 # Of a deviance, evaluated at the same numbers: another processor may round some thousand terms differently, by 1e-9 at
 # most; what decides is 6000 times as large.
@@ -110,9 +110,7 @@ def _alike(one: Any, other: Any) -> bool:
 
 def _evaluated(one: Mapping[str, Any], problem: Problem) -> Fit:
     """A recorded fit, its deviance evaluated anew at its recorded numbers."""
-    curve = one["curve"]
-    shape = curve and Shape(Depends(curve["depends"]), curve["friction"], curve["low"], curve["step"], np.zeros(0))
-    hypothesis = Hypothesis(tuple(each["name"] for each in one["effects"]), shape)
+    hypothesis = Hypothesis(tuple(each["name"] for each in one["effects"]), one["curve"] and Shape.of(one["curve"]))
     numbers = np.array(one["numbers"], dtype=float)
     if len(numbers) != hypothesis.size(problem):
         raise ValueError(f"{len(numbers)} numbers for a hypothesis of {hypothesis.size(problem)}")

@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
 from harness.identify.fit import INFLATION, Fit
-from harness.identify.hypothesis import IMBALANCE, Values
+from harness.identify.hypothesis import Values
 from harness.identify.innovations import penalty
 from harness.identify.problem import Problem
 from harness.identify.rehearsal import Rehearsed, repeated
@@ -122,7 +122,7 @@ def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, r
         return mean_innovations(problem, made, hypothesis.read(numbers, alone))
 
     numbers = _carried(problem, alone, rival)
-    if IMBALANCE in hypothesis.names:
+    if hypothesis.turning:
         turned = numbers + np.outer(_PHASES, np.arange(len(numbers)) == len(hypothesis.parameters))
         numbers = min(turned, key=lambda each: float(np.sum(misses(each) ** 2)))
     here = misses(numbers)
@@ -147,7 +147,7 @@ def _carried(problem: Problem, alone: Problem, rival: Fit) -> FloatArray:
     """A rival's scaled numbers for a new recording, in which the ball lies as nobody knows."""
     hypothesis = rival.hypothesis
     effects, more = len(hypothesis.parameters), hypothesis.size(problem) - hypothesis.size(alone)
-    if IMBALANCE not in hypothesis.names:
+    if not hypothesis.turning:
         return rival.numbers
     return np.concatenate((rival.numbers[:effects], [0.0], rival.numbers[effects + more + 1 :]))
 

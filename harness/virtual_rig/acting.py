@@ -42,6 +42,7 @@ _FIELDS: dict[str, Fields] = {
     "cubic_drag": lambda v, rig: {"cubed": v["coefficient"]},
     "cable_pull": lambda v, rig: {"cable": v["force"], "cable_frequency": v["frequency"]},
     "sticky_spot": lambda v, rig: {"spot": v["coefficient"], "spot_width": v["width"]},
+    "out_of_round": lambda v, rig: {"oval": v["torque"]},
 }
 _ADDED = ("plus", "minus")  # resistances of both kinds act together
 

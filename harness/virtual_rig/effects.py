@@ -122,6 +122,9 @@ UNLISTED: Mapping[str, Entry] = {
         {"coefficient": _NUMBER, "width": Bounds("rad", 0.05, 10.0)},
         ("roll_angle", "velocity"),
     ),
+    "out_of_round": Entry(
+        "torque T sin 2(φ + φ₀), φ₀ free per recording", {"torque": Bounds("N m", -1e-3, 1e-3)}, ("roll_angle",)
+    ),
 }
 
 _ORDERED = {

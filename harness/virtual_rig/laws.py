@@ -23,7 +23,8 @@ class Laws(NamedTuple):
     Coefficients of resistance [1]: `plus`, `minus` by direction; `static_excess` over the kinetic one; `fading`;
     `patch` between two places (their edges in the middle of 2 mm); `spot` once a revolution.
 
-    Tilt of the track [rad]: `curvature`, `bump`, `compliance` per metre. Torque: `imbalance` [N m].
+    Tilt of the track [rad]: `curvature`, `bump`, `compliance` per metre. Torque [N m]: `imbalance` with the sine of the
+    angle at which the ball lies, `oval` with that of twice the angle.
 
     `turned_before` is how the ball lies at the start, for what depends on its marks [rad].
     """
@@ -63,6 +64,7 @@ class Laws(NamedTuple):
     bump_width: float = 1.0
     compliance: float = 0.0
     imbalance: float = 0.0
+    oval: float = 0.0
     presliding: float = 0.0
     presliding_stiffness: float = 1.0
     turned_before: float = 0.0
@@ -116,9 +118,10 @@ def track_tilt(s: float, law: Laws) -> float:
 @njit(cache=True)
 def ball_torque(rolled: float, law: Laws) -> float:
     """Torque on the ball about +y [N m], towards +s where positive, at φ − α [rad]."""
-    if law.imbalance == 0.0:
+    if law.imbalance == 0.0 and law.oval == 0.0:
         return 0.0
-    return law.imbalance * math.sin(rolled + law.turned_before)
+    lies = rolled + law.turned_before
+    return law.imbalance * math.sin(lies) + law.oval * math.sin(2.0 * lies)
 
 
 @njit(cache=True)

@@ -97,9 +97,10 @@ def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
     diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
     listed = replace(diagnosis.found, best=replace(diagnosis.found.best, shape=None))
     wheres, lefts = [], []
-    for record, seen in zip(diagnosis.problem.records, account.traces, strict=True):
+    each = zip(diagnosis.problem.records, account.traces, diagnosis.found.best.phases, strict=True)
+    for record, seen, phase in each:
         explained = trace(diagnosis.problem, listed, record, account.ball(record)).law
-        where = _along(shape, record, seen, diagnosis.problem.rig)
+        where = _along(shape, record, seen, diagnosis.problem.rig, float(phase))
         left, use = (seen.residual - explained) / k, seen.trusted
         if shape.friction:
             normal = _normal(record, seen, diagnosis.problem.rig)
@@ -110,8 +111,8 @@ def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(wheres), np.concatenate(lefts)
 
 
-def _along(shape: Shape, record: Record, seen: Trace, rig: Rig) -> FloatArray:
-    """What the curve depends on, at the stamps of a recording."""
+def _along(shape: Shape, record: Record, seen: Trace, rig: Rig, phase: float) -> FloatArray:
+    """What the curve depends on, at the stamps of a recording; `phase` is how the ball lay at its start [rad]."""
     match shape.depends:
         case Depends.POSITION:
             return seen.position
@@ -120,7 +121,7 @@ def _along(shape: Shape, record: Record, seen: Trace, rig: Rig) -> FloatArray:
         case Depends.ANGLE:
             return seen.angle
         case Depends.ROLL_ANGLE:
-            return ((seen.position - record.origin) / rig.rolling_radius) % (2.0 * np.pi)
+            return ((seen.position - record.origin) / rig.rolling_radius + phase) % (2.0 * np.pi)
         case Depends.TIME:
             return seen.time
 
