@@ -17,7 +17,7 @@ from scipy.optimize import least_squares, lsq_linear, minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.hypothesis import Hypothesis, Values, phase_of
-from harness.identify.innovations import penalty
+from harness.identify.misses import Misses
 from harness.identify.problem import Problem
 
 # Standard errors from the curvature of the likelihood are too small, for the angle's error is not white as the filter
@@ -160,12 +160,12 @@ def looks(
     far = without + _FAR * problem.readings
     found = []
     for start in hypothesis.starts(problem, known, density):
-        misses = _Misses(problem, hypothesis, density)
+        misses = Misses(problem, hypothesis, density)
         weaker = (hypothesis.weaker(start, factor, known) for factor in _FACTORS)
         near = next((one for one in weaker if misses.deviance(one) < far), start)
         found.append(_look(problem, hypothesis, near, misses, steps[0]))
     found.sort(key=_deviance)
-    misses = _Misses(problem, hypothesis, density)
+    misses = Misses(problem, hypothesis, density)
     found += [_look(problem, hypothesis, found[0].start, misses, step) for step in steps[1:]]
     found.sort(key=_deviance)
     return sorted((*(_quieter(problem, hypothesis, one) for one in found[:_STARTS]), *found[_STARTS:]), key=_deviance)
@@ -175,7 +175,7 @@ def _deviance(look: Look) -> float:
     return look.deviance
 
 
-def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: _Misses, step: float) -> Look:
+def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: Misses, step: float) -> Look:
     low, high = hypothesis.bounds(problem)
     start = np.clip(start, low + _INSIDE, high - _INSIDE)
     here = misses.at(start)
@@ -192,7 +192,7 @@ def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: _
         deviance, end = min(
             (misses.deviance(start + 0.5 * move), start + 0.5 * move), (before, start), key=itemgetter(0)
         )
-    return Look(start, end, promise, misses.density, deviance, _covariance(problem, hypothesis, slopes))
+    return Look(start, end, promise, misses.density, deviance, covariance_of(problem, hypothesis, slopes))
 
 
 def _quieter(problem: Problem, hypothesis: Hypothesis, look: Look) -> Look:
@@ -201,7 +201,7 @@ def _quieter(problem: Problem, hypothesis: Hypothesis, look: Look) -> Look:
     for factor in _QUIETER:
         if factor * look.density < lowest:
             break
-        deviance = _Misses(problem, hypothesis, factor * look.density).deviance(look.numbers)
+        deviance = Misses(problem, hypothesis, factor * look.density).deviance(look.numbers)
         if deviance > look.deviance:
             break
         look = replace(look, density=factor * look.density, deviance=deviance)
@@ -232,10 +232,10 @@ def _fit_from(
     for turn in range(rounds):
         before = deviance
         if len(numbers):
-            numbers, slopes = _least(_Misses(problem, hypothesis, density), numbers, low, high, first=turn == 0)
+            numbers, slopes = _least(Misses(problem, hypothesis, density), numbers, low, high, first=turn == 0)
         width, middle = (wide if turn == 0 else _NARROW), math.log(density)
         found = minimize_scalar(
-            lambda x, at=numbers: _Misses(problem, hypothesis, math.exp(x)).deviance(at),
+            lambda x, at=numbers: Misses(problem, hypothesis, math.exp(x)).deviance(at),
             bounds=(max(middle - width, lowest), max(min(middle + width, _HIGHEST), lowest + 1.0)),
             method="bounded",
             options={"xatol": 0.1},
@@ -244,17 +244,18 @@ def _fit_from(
         if not len(numbers) or before - deviance < _STANDS:
             break
     best = hypothesis.read(numbers, problem)
-    covariance = _covariance(problem, hypothesis, slopes)
+    covariance = covariance_of(problem, hypothesis, slopes)
     return Fit(hypothesis, numbers, best, density, deviance, covariance, problem.readings)
 
 
-def _covariance(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
+def covariance_of(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
+    """Of values in their units, shape (k, k), by slopes of innovations over their standard deviations."""
     scale = hypothesis.scale(problem)
     return np.linalg.pinv(slopes.T @ slopes) * np.outer(scale, scale)
 
 
 def _least(
-    misses: _Misses, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
+    misses: Misses, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Numbers of least squared innovations at a fixed process noise, and the slopes there.
 
@@ -282,38 +283,3 @@ def _least(
         gtol=1e-6,
     )
     return origin + found.x, np.asarray(found.jac)
-
-
-class _Misses:
-    """Innovations over their standard deviations as a function of the scaled numbers, at a given process noise."""
-
-    def __init__(self, problem: Problem, hypothesis: Hypothesis, density: float) -> None:
-        self._problem, self._hypothesis, self.density = problem, hypothesis, density
-        self._lowest, self._highest = hypothesis.bounds(problem)
-        self._latest: tuple[bytes, FloatArray, FloatArray] | None = None
-
-    def _predicted(self, numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Ratios and log variances, shape (readings,) each; the latest are kept, because slopes ask for them again."""
-        key = numbers.tobytes()
-        if self._latest is None or self._latest[0] != key:
-            at = self._hypothesis.read(numbers, self._problem)
-            miss, spread = self._problem.predict(at.effects, at.phases, self.density, at.shape)
-            self._latest = key, miss / np.sqrt(spread), np.log(spread)
-        return self._latest[1:]
-
-    def at(self, numbers: FloatArray) -> FloatArray:
-        """Signed roots of the penalties, shape (readings,)."""
-        ratio, _ = self._predicted(numbers)
-        return np.sign(ratio) * np.sqrt(penalty(ratio))
-
-    def deviance(self, numbers: FloatArray) -> float:
-        """−2 log likelihood, but for a constant."""
-        ratio, log_spread = self._predicted(numbers)
-        return float(np.sum(log_spread + penalty(ratio)))
-
-    def slopes(self, numbers: FloatArray, step: FloatArray | float) -> FloatArray:
-        """Differences of `at` over a step of each number, shape (readings, k)."""
-        here = self.at(numbers)
-        inside = (numbers + step <= self._highest) & (numbers + step >= self._lowest)
-        moves = np.diag(np.where(inside, step, -step))
-        return np.column_stack([(self.at(numbers + move) - here) / move.sum() for move in moves])

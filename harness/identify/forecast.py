@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.fit import INFLATION, Fit
-from harness.identify.innovations import penalty
+from harness.identify.phase import phase_of
 from harness.identify.problem import Filtered, Problem, Record
 
 _DRAWS = 48
-_TURN = np.linspace(0.0, 2.0 * math.pi, 36, endpoint=False)  # where φ₀ is looked for first
 
 
 @dataclass(frozen=True)
@@ -76,22 +73,3 @@ def _root(covariance: FloatArray) -> FloatArray:
     """Its symmetric root; a badly determined fit has a covariance with eigenvalues just below zero, taken for zero."""
     values, vectors = np.linalg.eigh(covariance)
     return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-
-
-def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
-    """φ₀ of a recording, at which its readings are likeliest [rad]."""
-    if not found.hypothesis.turning:
-        return 0.0
-    names = [one.name for one in problem.records]
-    if record.name in names:
-        return float(found.best.phases[names.index(record.name)])
-    use = np.isfinite(reading)
-    use[np.argmax(use)] = False
-
-    def deviance(phase: float) -> float:
-        out = problem.filtered(record, found.best.effects, phase, found.density, found.best.shape, reading)
-        return float(np.sum(np.log(out.spread[use]) + penalty(out.miss[use] / np.sqrt(out.spread[use]))))
-
-    near = min(_TURN, key=deviance)
-    found_at = minimize_scalar(deviance, bounds=(near - _TURN[1], near + _TURN[1]), method="bounded")
-    return float(found_at.x)

@@ -20,7 +20,8 @@ from harness.engines.injection import force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.identify.fit import Fit
-from harness.identify.forecast import filtered, phase_of
+from harness.identify.forecast import filtered
+from harness.identify.phase import phase_of
 from harness.identify.problem import Filtered, Problem, Record
 from harness.identify.shape import Depends, Shape
 from harness.identify.verify import Progress, Split, windows

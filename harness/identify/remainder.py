@@ -13,8 +13,8 @@ from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
 from harness.identify.attempts import THRESHOLD, Entry, found_in, side_by_side
 from harness.identify.fit import COARSE, Fit, Look, fit, looks, unfitted
-from harness.identify.forecast import phase_of
 from harness.identify.hypothesis import Hypothesis
+from harness.identify.phase import phase_of
 from harness.identify.problem import Problem, Record
 from harness.identify.shape import KINDS, NODES, Depends, Shape, blank, visited
 

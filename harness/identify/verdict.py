@@ -14,6 +14,7 @@ from harness.identify.hypothesis import Hypothesis, size
 from harness.identify.problem import Problem
 from harness.identify.remainder import remainder
 from harness.identify.select import select
+from harness.identify.spread import spread_over
 
 _TWO_SIDED = 1.96
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
@@ -76,7 +77,7 @@ def search(problem: Problem, progress: Callable[[str], None] = lambda _: None) -
 
 def judged(problem: Problem, base: Fit, found: Fit, ledger: Sequence[Entry]) -> Search:
     """The verdict on what was found."""
-    unseen = _unseen(ledger, problem.rig)
+    found, unseen = spread_over(problem, found), _unseen(ledger, problem.rig)
     if found.hypothesis.shape is not None:
         verdict = Verdict.UNLISTED
     elif found_in(problem, found):
