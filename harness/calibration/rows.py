@@ -9,9 +9,8 @@ from enum import StrEnum
 from typing import Any
 
 from harness.calibration.trials import Trial
+from harness.identify.fit import TWO_SIDED
 from harness.virtual_rig import UNLISTED as STRUCTURES
-
-_TWO_SIDED = 1.96
 
 
 class Outcome(StrEnum):
@@ -60,7 +59,7 @@ class Interval:
     def z(self) -> float:
         """Error in standard deviations that the interval on that side stands for; infinite for an empty one."""
         side = self.high - self.value if self.truth > self.value else self.value - self.low
-        return (self.value - self.truth) * _TWO_SIDED / side if side > 0.0 else math.inf
+        return (self.value - self.truth) * TWO_SIDED / side if side > 0.0 else math.inf
 
 
 @dataclass(frozen=True, kw_only=True)

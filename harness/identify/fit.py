@@ -24,6 +24,7 @@ from harness.identify.problem import Problem
 # takes it to be: a beam that rests is read wrong by one and the same part of a count. Intervals this much wider hold
 # the truth in 90 to 98 % of calibrated trials (docs/calibration.md); deviances are too large by the square of it.
 INFLATION = 1.75
+TWO_SIDED = 1.96  # standard deviations to either side hold 95 % of what is normal
 DENSITY = 1e-5  # where the search for the process noise begins [m²/s³]
 # The angle's error leaves no less than this share of what its draws give; a curve could follow all the rest.
 _LEAST_SHARE = 0.25

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.fit import INFLATION, Fit
+from harness.identify.fit import INFLATION, TWO_SIDED, Fit
 from harness.identify.phase import phase_of
 from harness.identify.problem import Filtered, Problem, Record
 
@@ -32,7 +32,7 @@ class Forecast:
 
     def table(self) -> dict[str, FloatArray]:
         """`time_s, ball_position_m`, and the 95 % band `low_m, high_m`."""
-        reach = 1.96 * self.deviation
+        reach = TWO_SIDED * self.deviation
         low, high = self.position - reach, self.position + reach
         return {"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high}
 

@@ -22,7 +22,7 @@ from harness.errors import EngineFailure
 from harness.identify.fit import Fit
 from harness.identify.forecast import filtered
 from harness.identify.phase import phase_of
-from harness.identify.problem import Filtered, Problem, Record
+from harness.identify.problem import Filtered, Problem, Record, phased
 from harness.identify.shape import Depends, Shape
 from harness.identify.verify import Progress, Split, windows
 from harness.parallel import meanwhile
@@ -151,7 +151,7 @@ class _Scene:
         self.origin = record.origin / gain
         shape = found.best.shape
         self.law = None if shape is None else _law(shape, phase, problem.rig.gravity)
-        self.effects = _phased(declared, phase)
+        self.effects = phased(declared, phase)
         self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
         self.delay = sum(one.values["delay"] for one in self.effects if one.effect.name == "channel_delay")
         self.sensor = [one for one in self.effects if one.effect.name != "channel_delay"]
@@ -208,13 +208,6 @@ class _Scene:
         result = np.full(len(stamps), np.nan)
         result[inside] = recorded
         return result
-
-
-def _phased(effects: Sequence[Acting], phase: float) -> tuple[Acting, ...]:
-    return tuple(
-        Acting(one.effect, {**one.values, "phase": phase}) if one.effect.name == "ball_imbalance" else one
-        for one in effects
-    )
 
 
 def _law(shape: Shape, phase: float, gravity: float) -> Law:

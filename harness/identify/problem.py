@@ -171,7 +171,7 @@ class Problem:
         self, record: Record, effects: Sequence[Acting], phase: float, shape: Shape | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """The kernel's vector, shape (SLOTS,), and the beam's table of one recording; arguments as of `filtered`."""
-        every = tuple(_phased(one, phase) for one in (*self.declared, *effects))
+        every = phased((*self.declared, *effects), phase)
         p = parameters_with(self.model, self.rig, every)
         p[ORIGIN] = record.origin / self.sensor(effects)[0]
         table = record.table_with(every)
@@ -247,7 +247,9 @@ class Problem:
         return float(np.sum(np.log(spread) + penalty(miss / np.sqrt(spread))))
 
 
-def _phased(one: Acting, phase: float) -> Acting:
-    if one.effect.name != "ball_imbalance":
-        return one
-    return Acting(one.effect, {**one.values, "phase": phase})
+def phased(effects: Sequence[Acting], phase: float) -> tuple[Acting, ...]:
+    """The same effects on a ball that lies at φ₀ = `phase` at the start [rad]."""
+    return tuple(
+        Acting(one.effect, {**one.values, "phase": phase}) if one.effect.name == "ball_imbalance" else one
+        for one in effects
+    )

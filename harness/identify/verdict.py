@@ -9,14 +9,13 @@ from enum import StrEnum
 
 from analytic.rig import Rig
 from harness.identify.attempts import THRESHOLD, Entry, candidates, explained, found_in
-from harness.identify.fit import INFLATION, Fit, fit
+from harness.identify.fit import INFLATION, TWO_SIDED, Fit, fit
 from harness.identify.hypothesis import Hypothesis, size
 from harness.identify.problem import Problem
 from harness.identify.remainder import remainder
 from harness.identify.select import select
 from harness.identify.spread import spread_over
 
-_TWO_SIDED = 1.96
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
 # 6 to 10 is strong evidence).
 RIVAL = 6.0
@@ -106,7 +105,7 @@ def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
             continue
         for parameter in effect.effect.parameters:
             value = effect.values[parameter.name]
-            reach = _TWO_SIDED * INFLATION * float(deviations[name, parameter.name])
+            reach = TWO_SIDED * INFLATION * float(deviations[name, parameter.name])
             values[parameter.name] = value, value - reach, value + reach, parameter.unit
     return Finding(name, values, tuple(sorted(_rivals(name, found, ledger))))
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.identify.depends import depends_on
-from harness.identify.fit import INFLATION
+from harness.identify.fit import INFLATION, TWO_SIDED
 from harness.identify.problem import Record
 from harness.identify.sentence import DEPENDENCES
 from harness.identify.shape import Depends, Shape
@@ -39,7 +39,7 @@ def section(account: Account) -> Section | None:
     shape = account.diagnosis.found.best.shape
     if shape is None:
         return None
-    reach = 1.96 * INFLATION * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
+    reach = TWO_SIDED * INFLATION * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
     factor = 1.0 if shape.friction else 1e3 * account.diagnosis.problem.rig.mass
     first, *others = depends_on(account.diagnosis.found, account.diagnosis.ledger)
     context = {
