@@ -185,7 +185,9 @@ def _look(problem: Problem, hypothesis: Hypothesis, start: FloatArray, misses: M
         return Look(start, start, deviance, misses.density, deviance, np.zeros((0, 0)))
     size = np.clip(np.abs(start), COARSE / 10.0, COARSE) if step == COARSE else np.full(len(start), step)
     slopes = misses.slopes(start, size)
-    move = lsq_linear(slopes, -here, bounds=(low - start, high - start), method="bvls").x
+    even = hypothesis.evenness(problem)
+    all_slopes, all_here = np.vstack((slopes, even)), np.concatenate((here, even @ start))
+    move = lsq_linear(all_slopes, -all_here, bounds=(low - start, high - start), method="bvls").x
     before = misses.deviance(start)
     promise = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
     end, deviance = start + move, misses.deviance(start + move)
@@ -227,13 +229,14 @@ def _fit_from(
 ) -> Fit:
     low, high = hypothesis.bounds(problem)
     numbers = np.clip(numbers, low + _INSIDE, high - _INSIDE)
-    slopes = np.zeros((problem.readings, len(numbers)))
+    slopes, even = np.zeros((problem.readings, len(numbers))), hypothesis.evenness(problem)
     lowest = 2.0 * math.log(_LEAST_SHARE * problem.angle_floor)
     density, deviance = max(density, math.exp(lowest)), math.inf
     for turn in range(rounds):
         before = deviance
         if len(numbers):
-            numbers, slopes = _least(Misses(problem, hypothesis, density), numbers, low, high, first=turn == 0)
+            misses = Misses(problem, hypothesis, density)
+            numbers, slopes = _least(misses, even, numbers, low, high, first=turn == 0)
         width, middle = (wide if turn == 0 else _NARROW), math.log(density)
         found = minimize_scalar(
             lambda x, at=numbers: Misses(problem, hypothesis, math.exp(x)).deviance(at),
@@ -251,14 +254,14 @@ def _fit_from(
 
 def covariance_of(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
     """Of values in their units, shape (k, k), by slopes of innovations over their standard deviations."""
-    scale = hypothesis.scale(problem)
-    return np.linalg.pinv(slopes.T @ slopes) * np.outer(scale, scale)
+    scale, even = hypothesis.scale(problem), hypothesis.evenness(problem)
+    return np.linalg.pinv(slopes.T @ slopes + even.T @ even) * np.outer(scale, scale)
 
 
 def _least(
-    misses: Misses, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
+    misses: Misses, even: FloatArray, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Numbers of least squared innovations at a fixed process noise, and the slopes there.
+    """Numbers of least squared innovations at a fixed process noise, with even curves, and the slopes there.
 
     The trust region begins as wide as the start is long, which would be no step at all from where nothing acts: numbers
     are counted from one typical size below the start.
@@ -267,10 +270,10 @@ def _least(
     step = COARSE if first else _STEP
 
     def at(z: FloatArray) -> FloatArray:
-        return misses.at(origin + z)
+        return np.concatenate((misses.at(origin + z), even @ (origin + z)))
 
     def slopes(z: FloatArray) -> FloatArray:
-        return misses.slopes(origin + z, step)
+        return np.vstack((misses.slopes(origin + z, step), even))
 
     found = least_squares(
         at,
@@ -283,4 +286,4 @@ def _least(
         ftol=1e-6,
         gtol=1e-6,
     )
-    return origin + found.x, np.asarray(found.jac)
+    return origin + found.x, np.asarray(found.jac)[: len(found.fun) - len(even)]

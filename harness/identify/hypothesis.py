@@ -38,6 +38,9 @@ _SIZES = {
 
 
 _WIDEST = 0.1  # bump [m]
+# Typical sizes by which neighbouring nodes of a curve differ, standard deviation: of a force, and of a friction, which
+# begins at an edge where a surface does.
+_UNEVEN = {False: 1.0, True: 3.0}
 _STARTS = 3  # that are looked at: of many places, the likeliest
 _PLACE = 0.03  # how well a place along the beam can be guessed [m]
 _FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to what it should be [1]
@@ -134,6 +137,19 @@ class Hypothesis:
                 high[at] = _WIDEST
         scale = self.scale(problem)
         return low / scale, high / scale
+
+    def evenness(self, problem: Problem) -> FloatArray:
+        """What neighbouring nodes of the curve differ by, in what they typically do, as a matrix on the scaled numbers.
+
+        Where hardly a reading falls nodes would be anything at all; so they follow their neighbours, as the curve keeps
+        its last value beyond the last node. Shape (r, k), r = 0 without a curve.
+        """
+        if self.shape is None:
+            return np.zeros((0, self.size(problem)))
+        count = len(self.shape.nodes)
+        steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
+        steps = steps if self.shape.turning else steps[:-1]
+        return np.hstack((np.zeros((len(steps), self.size(problem) - count)), steps / _UNEVEN[self.shape.friction]))
 
     def read(self, numbers: FloatArray, problem: Problem) -> Values:
         """The effects with their values, the phases of the recordings and the curve."""

@@ -89,7 +89,7 @@ def _finer(problem: Problem, best: Fit, ledger: list[Entry], progress: Callable[
     finer = Hypothesis(best.hypothesis.names, shape.finer())
     one = fit(problem, finer, density=best.density, known=best.values())
     gain = best.bic - one.bic
-    kept = gain > CURVE_THRESHOLD
+    kept = gain > THRESHOLD
     because = f"twice the nodes gain {gain:.0f} (BIC){'' if kept else ', too little'}"
     ledger.append(Entry(f"finer {shape.name}", best.hypothesis.names, gain, kept, because, one, best, "curve"))
     return one if kept else best

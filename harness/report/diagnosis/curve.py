@@ -24,6 +24,7 @@ from harness.report.plots import WIDTH, Picture, band, binned, frame, picture, s
 from harness.report.tables import Column, Row, Table
 
 _DOTS = 2000  # more only blacken the picture
+_FINE = 400  # places at which a curve is drawn
 _ROLLS = 0.03  # from which on the sign of the velocity is sure [m/s]
 _ABSCISSA = {  # name, unit, factor to it
     Depends.POSITION: ("position $s$", "m", 1.0),
@@ -45,6 +46,7 @@ def section(account: Account) -> Section | None:
     context = {
         "friction": shape.friction,
         "depends": DEPENDENCES[first],
+        "turning": shape.turning,
         "others": [DEPENDENCES[one] for one in others],
         "picture": _picture(account, shape, factor, reach),
         "table": _table(shape, factor, reach),
@@ -58,7 +60,9 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
     with style():
         figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
         axes = figure.add_subplot()
-        x, y = scale * shape.places, factor * shape.nodes
+        first, last = shape.places[0], shape.places[-1] + (shape.step if shape.turning else 0.0)
+        along = np.linspace(first, last, _FINE)
+        y = factor * shape.at(along)
         thin = slice(None, None, max(1, len(where) // _DOTS))
         axes.plot(
             scale * where[thin],
@@ -70,24 +74,26 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
             markeredgewidth=0,
             rasterized=True,
         )
-        inside = (where >= shape.places[0]) & (where <= shape.places[-1])
+        inside = (where >= first) & (where <= last)
         centre, mean, error = binned(scale * where[inside], factor * left[inside])
         axes.errorbar(centre, mean, yerr=error, color=INK, marker="o", markersize=3.5, linewidth=1.0, zorder=4)
-        band(axes, x, y - factor * reach, y + factor * reach)
-        axes.plot(x, y, color=FOUND.colour, marker="o", markersize=4.5, linewidth=1.6, zorder=5)
+        width = factor * np.interp(along, shape.places, reach, period=last - first if shape.turning else None)
+        band(axes, scale * along, y - width, y + width)
+        axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
+        axes.plot(scale * shape.places, factor * shape.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
         axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
         low, high = np.percentile(factor * left[inside], (2.0, 98.0))
         frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
-        axes.set_xlim(x[0], x[-1])
+        axes.set_xlim(scale * first, scale * last)
         axes.set_xlabel(f"{name} [{unit}]")
         axes.set_ylabel("added to the coefficient\nof dry friction [1]" if shape.friction else "force on the ball [mN]")
         looks = (LEFT, replace(FOUND, label="the curve"))
         figure.legend(handles=[sample(look, look.label) for look in looks], loc="outside upper left", ncols=2)
         alt = f"The unlisted {'friction' if shape.friction else 'force'} as a function of {DEPENDENCES[shape.depends]}."
         caption = (
-            "The curve that predicts the recordings best, linear between twelve nodes spread over what they visit, "
-            "with 95 % intervals of the nodes (grey). Below it what the model leaves, estimated from the recordings "
-            "alone, and in black the means of its bins with their standard errors."
+            f"The curve that predicts the recordings best, a spline through {len(shape.nodes)} nodes spread over what "
+            "they visit, with 95 % intervals of the nodes (grey). Below it what the model leaves, estimated from the "
+            "recordings alone, and in black the means of its bins with their standard errors."
         )
         return picture(figure, alt, caption)
 
