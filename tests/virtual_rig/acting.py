@@ -44,6 +44,7 @@ EACH_UNLISTED: dict[str, dict[str, float]] = {
     "cubic_drag": {"coefficient": 0.8},
     "cable_pull": {"force": 0.008, "frequency": 60.0},
     "sticky_spot": {"coefficient": 0.015, "width": 0.3},
+    "out_of_round": {"torque": 5e-5},
 }
 
 

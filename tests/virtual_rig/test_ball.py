@@ -33,6 +33,17 @@ def test_imbalance_keeps_its_energy() -> None:
     np.testing.assert_allclose(total, total[0], rtol=0.0, atol=1e-11)
 
 
+def test_a_ball_out_of_round_keeps_its_energy() -> None:
+    """Exchange ½ (m + J/r²) v² with ½ T cos 2(φ + φ₀): two hills a turn."""
+    torque = 5e-5
+    run = rolled({"out_of_round": {"torque": torque}}, State(0.2, 0.1), 3.0, turned_before=0.7)
+    total = 0.5 * MOVED * run.velocity**2 + 0.5 * torque * np.cos(2.0 * (run.rolled_angle + 0.7))
+    assert np.ptp(run.rolled_angle) > 4 * math.pi
+    assert np.ptp(0.5 * MOVED * run.velocity**2) > 4e-5
+    # midpoint: (2 φ̇ dt)²/24 = 2e-7 of the potential T/2 = 2.5e-5 J, twice
+    np.testing.assert_allclose(total, total[0], rtol=0.0, atol=1e-11)
+
+
 def test_ball_of_another_rolling_radius_rolls_as_such() -> None:
     """Accelerate by g sin α/(1 + J/(m r²)) with the radius that acts, and turn by s/r."""
     radius, tilt = 0.0105, 0.03
