@@ -53,6 +53,6 @@ def test_a_law_with_corners_is_known_as_its_deviance_says(tmp_path: Path) -> Non
             rises.append((problem.deviance(at.effects, at.phases, found.density) - found.deviance) / reach**2)
         return rises
 
-    # Steps in the deviance leave a factor of two; slopes at one place put the lower end where hardly anything has risen.
+    # Steps in the deviance leave a factor of two; slopes at one place put the lower end where little has risen.
     assert all(0.5 < one < 2.0 for one in risen(spread_over(problem, found)))
     assert min(risen(found)) < 0.1
