@@ -94,6 +94,7 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
             f"The curve that predicts the recordings best, a spline through {len(shape.nodes)} nodes spread over what "
             "they visit, with 95 % intervals of the nodes (grey). Below it what the model leaves, estimated from the "
             "recordings alone, and in black the means of its bins with their standard errors."
+            f"{' Dry friction that is negative in sum counts as none.' if shape.friction else ''}"
         )
         return picture(figure, alt, caption)
 

@@ -63,6 +63,7 @@ def _nearest(account: Account) -> str:
         and one.fit.hypothesis != found.hypothesis
         and len(one.fit.hypothesis.names) == size
         and (one.fit.hypothesis.shape is None) == (found.hypothesis.shape is None)
+        and one.rule != "curve"  # the same curve with more nodes, or with what it contains
     ]
     if not others:
         return "nothing else was fitted in the same place"
