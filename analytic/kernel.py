@@ -38,7 +38,7 @@ def _integrate(
         stamp = first[run]
         out[run, stamp, 0], out[run, stamp, 1] = s, v
         for j in range(marks[first[run]], marks[last[run]]):
-            s, v, w = advance(s, v, w, steps[j], table[2 * j], table[2 * j + 1], table[2 * j + 2], p)
+            s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
             if j + 1 == marks[stamp + 1]:
                 stamp += 1
                 out[run, stamp, 0], out[run, stamp, 1] = s, v

@@ -26,9 +26,9 @@ from analytic.motion import FloatArray
 
 @njit(cache=True)
 def advance(
-    s: float, v: float, w: float, h: float, a0: FloatArray, a1: FloatArray, a2: FloatArray, p: FloatArray
+    s: float, v: float, w: float, h: float, beam: FloatArray, row: int, p: FloatArray
 ) -> tuple[float, float, float]:
-    """(s, ṡ, w) after a step of `h` [s]; the beam's (α, α̇, α̈) are given at its start, middle and end.
+    """(s, ṡ, w) after a step of `h` [s]; α, α̇, α̈ at its start, middle and end are three rows of `beam` from `row` on.
 
     Everything smooth is integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued
     force: it opposes the motion; where that stops within the step, friction holds the ball if it can and else opposes
@@ -37,47 +37,61 @@ def advance(
     w is what some effects remember: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
     a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
     """
+    middle, end = row + 1, row + 2
     if p[DAHL] != 0.0:
-        w = dahl(w, v, 0.5 * h, dahl_limit(s, v, a0, p), p[DAHL_STIFFNESS])
-    k1 = acceleration(s, v, a0[0], a0[1], a0[2], p)
+        w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[DAHL_STIFFNESS])
+    k1 = acceleration(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
     v2 = v + 0.5 * h * k1
-    k2 = acceleration(s + 0.5 * h * v, v2, a1[0], a1[1], a1[2], p)
+    k2 = acceleration(s + 0.5 * h * v, v2, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
     v3 = v + 0.5 * h * k2
-    k3 = acceleration(s + 0.5 * h * v2, v3, a1[0], a1[1], a1[2], p)
+    k3 = acceleration(s + 0.5 * h * v2, v3, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
     v4 = v + h * k3
-    k4 = acceleration(s + h * v3, v4, a2[0], a2[1], a2[2], p)
+    k4 = acceleration(s + h * v3, v4, beam[end, 0], beam[end, 1], beam[end, 2], p)
     s_end = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
     v_end = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
     if p[DAHL] != 0.0:
         s_end, v_end = s_end + 0.5 * h * h * w, v_end + h * w
-        w = dahl(w, v_end, 0.5 * h, dahl_limit(s_end, v_end, a2, p), p[DAHL_STIFFNESS])
+        w = dahl(
+            w, v_end, 0.5 * h, dahl_limit(s_end, v_end, beam[end, 0], beam[end, 1], beam[end, 2], p), p[DAHL_STIFFNESS]
+        )
     dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0 or p[SHAPE] >= DRY_OF_POSITION
+    angle, rate, angular = beam[middle, 0], beam[middle, 1], beam[middle, 2]
+    added = beam[middle, 3] if p[SHAPE] == DRY_OF_TIME else 0.0
     if p[TRACTION] != 0.0:
-        return _slip(s, v, w, h, s_end, v_end, a1, p, dry)
+        return _slip(s, v, w, h, s_end, v_end, angle, rate, angular, added, p, dry)
     if dry:
-        s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
+        s_end, v_end = _resist(s, v, h, s_end, v_end, angle, rate, angular, added, p)
     return s_end, v_end, w
 
 
 @njit(cache=True)
 def _resist(
-    s: float, v: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray
+    s: float,
+    v: float,
+    h: float,
+    s_end: float,
+    v_end: float,
+    angle: float,
+    rate: float,
+    angular: float,
+    added: float,
+    p: FloatArray,
 ) -> tuple[float, float]:
     """(s, ṡ) after a step that would end at (s_end, v_end) without the dry friction."""
     drive = (v_end - v) / h
     rest = h
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
-        limit = _limit(s, v, sign, a1, p)
+        limit = _limit(s, v, sign, angle, rate, angular, added, p)
         if p[DRY_STATIC] != 0.0:  # it depends on the velocity: take that of mid-step
-            limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, a1, p)
+            limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, angle, rate, angular, added, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
         stop = v / (sign * limit - drive)  # the ball comes to rest within the step
         s, rest = s + 0.5 * v * stop, h - stop
     sign = 1.0 if drive > 0.0 else -1.0
-    limit = _limit(s, 0.0, sign, a1, p)
+    limit = _limit(s, 0.0, sign, angle, rate, angular, added, p)
     if abs(drive) <= limit:
         return s, 0.0
     if v == 0.0:
@@ -87,16 +101,30 @@ def _resist(
 
 
 @njit(cache=True)
-def _limit(s: float, v: float, towards: float, a: FloatArray, p: FloatArray) -> float:
-    limit = dry_limit(s, v, towards, a[0], a[1], a[2], p)
-    if p[SHAPE] == DRY_OF_TIME:
-        limit = max(limit + p[RESPONSE] * a[3] * normal_force(s, v, a[0], a[1], a[2], p), 0.0)
+def _limit(
+    s: float, v: float, towards: float, angle: float, rate: float, angular: float, added: float, p: FloatArray
+) -> float:
+    """What dry friction holds, with a coefficient `added` to what the vector says."""
+    limit = dry_limit(s, v, towards, angle, rate, angular, p)
+    if added != 0.0:
+        limit = max(limit + p[RESPONSE] * added * normal_force(s, v, angle, rate, angular, p), 0.0)
     return limit
 
 
 @njit(cache=True)
 def _slip(
-    s: float, v: float, w: float, h: float, s_end: float, v_end: float, a1: FloatArray, p: FloatArray, dry: bool
+    s: float,
+    v: float,
+    w: float,
+    h: float,
+    s_end: float,
+    v_end: float,
+    angle: float,
+    rate: float,
+    angular: float,
+    added: float,
+    p: FloatArray,
+    dry: bool,
 ) -> tuple[float, float, float]:
     """(s, ṡ, w) after a step that would end at (s_end, v_end) if the ball rolled freely; w is its slip velocity.
 
@@ -106,14 +134,14 @@ def _slip(
         s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) ± c N/(m ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
     """
     iota = 1.0 / p[RESPONSE] - 1.0
-    turn = p[TURN] * a1[2]
+    turn = p[TURN] * angular
     free = (1.0 + iota) * (v_end - v) / h + iota * turn
-    grip = p[TRACTION] * normal_force(s, v, a1[0], a1[1], a1[2], p)
+    grip = p[TRACTION] * normal_force(s, v, angle, rate, angular, p)
     resisted = 0.0
     if dry:
-        s_end, v_end = _resist(s, v, h, s_end, v_end, a1, p)
+        s_end, v_end = _resist(s, v, h, s_end, v_end, angle, rate, angular, added, p)
         sense = 1.0 if v > w else -1.0
-        resisted = sense * _limit(s, v, sense, a1, p) / (p[RESPONSE] * iota) if v != w else 0.0
+        resisted = sense * _limit(s, v, sense, angle, rate, angular, added, p) / (p[RESPONSE] * iota) if v != w else 0.0
     if w == 0.0 and abs((v_end - v) / h - free) <= grip:
         return s_end, v_end, 0.0
     needed = -(free + turn + resisted + w / h) / (1.0 + 1.0 / iota)
@@ -126,9 +154,9 @@ def _slip(
 
 
 @njit(cache=True)
-def dahl_limit(s: float, v: float, a: FloatArray, p: FloatArray) -> float:
+def dahl_limit(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
     """k c N/m [m/s²], what a Dahl friction tends to."""
-    return p[RESPONSE] * p[DAHL] * normal_force(s, v, a[0], a[1], a[2], p)
+    return p[RESPONSE] * p[DAHL] * normal_force(s, v, angle, rate, angular, p)
 
 
 @njit(cache=True)

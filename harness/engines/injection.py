@@ -148,7 +148,7 @@ def _excess(
             begin = _half_a_step_ago(v, with_effects, plus, minus, time_step)
         push += mean_friction(begin, with_effects, plus, minus, time_step)
     if full[DAHL] != 0.0:
-        limit = dahl_limit(s, v, np.array([angle, rate, angular]), full)
+        limit = dahl_limit(s, v, angle, rate, angular, full)
         passed = v if math.isnan(begin) else begin  # since the step before
         pull = dahl(pull, passed, steps * time_step, limit, full[DAHL_STIFFNESS])
         push += pull

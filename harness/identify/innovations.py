@@ -49,10 +49,9 @@ def _plain(
             nudge = _faster(v, c)
             s1, v1, s2, v2 = s + _NUDGE[0], v, s, v + nudge
             for j in range(marks[k - 1], marks[k]):
-                a0, a1, a2 = table[2 * j], table[2 * j + 1], table[2 * j + 2]
-                s1, v1, _ = advance(s1, v1, 0.0, steps[j], a0, a1, a2, p)
-                s2, v2, _ = advance(s2, v2, 0.0, steps[j], a0, a1, a2, p)
-                s, v, _ = advance(s, v, 0.0, steps[j], a0, a1, a2, p)
+                s1, v1, _ = advance(s1, v1, 0.0, steps[j], table, 2 * j, p)
+                s2, v2, _ = advance(s2, v2, 0.0, steps[j], table, 2 * j, p)
+                s, v, _ = advance(s, v, 0.0, steps[j], table, 2 * j, p)
             f, g = (s1 - s) / _NUDGE[0], (s2 - s) / nudge
             h, i = (v1 - v) / _NUDGE[0], (v2 - v) / nudge
             fa, fb, ha, hb = f * a + g * b, f * b + g * c, h * a + i * b, h * b + i * c
@@ -102,27 +101,29 @@ def _general(
     remembers = p[TRACTION] != 0.0 or p[DAHL] != 0.0
     active = np.array([True, True, remembers, lag > 0.0])
     x, P, F, Q = np.zeros(4), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
+    moved, nudged, column, half = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros((4, 4))
     begun = False
     for k in range(len(time)):
         if begun:
             dt = time[k] - time[k - 1]
-            moved = _over(x, marks[k - 1], marks[k], steps, table, p, lag)
+            moved[:] = x
+            _over(moved, marks[k - 1], marks[k], steps, table, p, lag)
             for j in range(4):
                 if active[j]:
                     nudge = _faster(x[j], P[j, j]) if j == 1 or (j == 2 and p[TRACTION] != 0.0) else _NUDGE[j]
-                    nudged = x.copy()
+                    nudged[:] = x
                     nudged[j] += nudge
-                    ahead = _over(nudged, marks[k - 1], marks[k], steps, table, p, lag)
+                    _over(nudged, marks[k - 1], marks[k], steps, table, p, lag)
                     for i in range(4):
-                        F[i, j] = (ahead[i] - moved[i]) / nudge if active[i] else 0.0
+                        F[i, j] = (nudged[i] - moved[i]) / nudge if active[i] else 0.0
             Q[0, 0], Q[1, 1] = density * dt**3 / 3.0, density * dt
             Q[0, 1] = Q[1, 0] = density * dt**2 / 2.0
             # What pulls at a ball that slides changes its slip as it does its velocity.
             slides = 1.0 if p[TRACTION] != 0.0 and moved[2] != 0.0 else 0.0
             Q[2, 2] = Q[1, 2] = Q[2, 1] = slides * Q[1, 1]
             Q[0, 2] = Q[2, 0] = slides * Q[0, 1]
-            x = moved
-            P = _sandwich(F, P, active) + Q
+            x[:] = moved
+            _sandwich(F, P, Q, active, half)
         miss[k], spread[k] = 0.0, 1.0
         seen = 3 if lag > 0.0 else 0
         state[k], doubt[k] = x, P[seen, seen]
@@ -141,7 +142,8 @@ def _general(
         e = reading[k] - gain * x[seen]
         miss[k], spread[k] = e, S
         weight = min(1.0, SPIKE * math.sqrt(S) / max(abs(e), 1e-300))
-        column = gain * P[:, seen].copy()
+        for i in range(4):
+            column[i] = gain * P[i, seen]
         for i in range(4):
             if active[i]:
                 x[i] += weight * column[i] / S * e
@@ -164,34 +166,35 @@ def _faster(v: float, variance: float) -> float:
 @njit(cache=True, inline="always")
 def _over(
     x: FloatArray, first: int, last: int, steps: FloatArray, table: FloatArray, p: FloatArray, lag: float
-) -> FloatArray:
-    """The state after the integration steps from `first` to `last`."""
+) -> None:
+    """Take the state over the integration steps from `first` to `last`, in place."""
     s, v, w, y = x[0], x[1], x[2], x[3]
     for j in range(first, last):
         before = s
-        s, v, w = advance(s, v, w, steps[j], table[2 * j], table[2 * j + 1], table[2 * j + 2], p)
+        s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
         if lag > 0.0:  # T ẏ + y = s, exact for an s that moves evenly within the step
             slope = (s - before) / steps[j]
             follow = before - slope * lag
             y = follow + slope * steps[j] + (y - follow) * math.exp(-steps[j] / lag)
-    return np.array([s, v, w, y])
+    x[0], x[1], x[2], x[3] = s, v, w, y
 
 
 @njit(cache=True)
-def _sandwich(F: FloatArray, P: FloatArray, active: NDArray[np.bool_]) -> FloatArray:
-    """F P Fᵀ over the active states."""
-    half, full = np.zeros((4, 4)), np.zeros((4, 4))
+def _sandwich(F: FloatArray, P: FloatArray, Q: FloatArray, active: NDArray[np.bool_], half: FloatArray) -> None:
+    """P becomes F P Fᵀ + Q, over the active states; `half` is room for F P."""
     for i in range(4):
         for j in range(4):
+            half[i, j] = 0.0
             if active[i] and active[j]:
                 for a in range(4):
                     half[i, j] += F[i, a] * P[a, j]
     for i in range(4):
         for j in range(4):
+            total = 0.0
             if active[i] and active[j]:
                 for a in range(4):
-                    full[i, j] += half[i, a] * F[j, a]
-    return full
+                    total += half[i, a] * F[j, a]
+            P[i, j] = total + Q[i, j]
 
 
 @njit(cache=True, nogil=True)

@@ -67,7 +67,7 @@ def _play(
     """
     s, v, w, turned, rate, bent = target[0], 0.0, 0.0, 0.0, 0.0, 0.0
     beam, speed = 0.0, 0.0
-    a0, a1, a2 = np.zeros(4), np.zeros(4), np.zeros(4)
+    motion = np.zeros((3, 3))  # of the beam over a step
     last = len(target) - 1
     for k in range(last + 1):
         states[k, 0], states[k, 1], states[k, 2], ball[k] = turned, rate, bent, s
@@ -84,10 +84,11 @@ def _play(
         bent = after
         next_beam = min(max(beam, gain * turned - half), gain * turned + half)
         next_speed = gain * rate if next_beam != beam else 0.0
-        a0[0], a0[1], a0[2] = beam, speed, (next_speed - speed) / dt
-        a1[0], a1[1], a1[2] = 0.5 * (beam + next_beam) - 0.125 * dt**2 * a0[2], 0.5 * (speed + next_speed), a0[2]
-        a2[0], a2[1], a2[2] = next_beam, next_speed, a0[2]
-        s, v, w = advance(s, v, w, dt, a0, a1, a2, p)
+        motion[:, 2] = (next_speed - speed) / dt
+        motion[0, :2] = beam, speed
+        motion[1, :2] = 0.5 * (beam + next_beam) - 0.125 * dt**2 * motion[0, 2], 0.5 * (speed + next_speed)
+        motion[2, :2] = next_beam, next_speed
+        s, v, w = advance(s, v, w, dt, motion, 0, p)
         beam, speed = next_beam, next_speed
 
 

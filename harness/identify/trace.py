@@ -97,7 +97,7 @@ def _along(
     for n in range(len(position) - 1):
         s, v, span = position[n], velocity[n], 0.0
         for j in range(marks[n], marks[n + 1]):
-            s, v, w = advance(s, v, w, steps[j], table[2 * j], table[2 * j + 1], table[2 * j + 2], p)
+            s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
             span += steps[j]
         out[n] = (v - velocity[n]) / span
     out[-1] = out[-2]
