@@ -28,7 +28,14 @@ from analytic.motion import FloatArray
 def advance(
     s: float, v: float, w: float, h: float, beam: FloatArray, row: int, p: FloatArray
 ) -> tuple[float, float, float]:
-    """(s, ṡ, w) after a step of `h` [s]; α, α̇, α̈ at its start, middle and end are three rows of `beam` from `row` on.
+    """(s, ṡ, w) after a step of `h` [s].
+
+    Args:
+        s, v, w: position [m], velocity [m/s], and what is remembered, see below.
+        h: the step [s].
+        beam: from `kernel.Grid.tabulate`; three rows from `row` on are α [rad], α̇ [rad/s], α̈ [rad/s²] at the step's
+            start, middle and end, and a coefficient of dry friction that depends on time [1] where there is one.
+        p: from `models.coefficients`, with effects written into it, shape (SLOTS,) or longer.
 
     Everything smooth is integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued
     force: it opposes the motion; where that stops within the step, friction holds the ball if it can and else opposes
@@ -77,7 +84,7 @@ def _resist(
     added: float,
     p: FloatArray,
 ) -> tuple[float, float]:
-    """(s, ṡ) after a step that would end at (s_end, v_end) without the dry friction."""
+    """(s, ṡ) after a step that would end at (s_end, v_end) without the dry friction; the beam as in its middle."""
     drive = (v_end - v) / h
     rest = h
     if v != 0.0:
@@ -104,7 +111,7 @@ def _resist(
 def _limit(
     s: float, v: float, towards: float, angle: float, rate: float, angular: float, added: float, p: FloatArray
 ) -> float:
-    """What dry friction holds, with a coefficient `added` to what the vector says."""
+    """What dry friction holds [m/s²], with a coefficient `added` [1] to what the vector says."""
     limit = dry_limit(s, v, towards, angle, rate, angular, p)
     if added != 0.0:
         limit = max(limit + p[RESPONSE] * added * normal_force(s, v, angle, rate, angular, p), 0.0)

@@ -45,7 +45,8 @@ class Misses:
         return np.column_stack([(self.at(numbers + move) - here) / move.sum() for move in moves])
 
     def chords(self, numbers: FloatArray, reach: FloatArray) -> FloatArray:
-        """Slopes of `at` between `reach` below and above each number, as far as bounds go, shape (readings, k)."""
+        """Slopes of `at` between `reach` below and above each scaled number, shape (k,), as far as bounds go; shape
+        (readings, k)."""
         low, high = np.maximum(numbers - reach, self._lowest), np.minimum(numbers + reach, self._highest)
         ends = [(np.where(one, low, numbers), np.where(one, high, numbers)) for one in np.eye(len(numbers), dtype=bool)]
         rises = [self.at(above) - self.at(below) for below, above in ends]

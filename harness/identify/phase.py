@@ -14,7 +14,8 @@ _TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)  # where φ₀ is look
 
 
 def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> float:
-    """φ₀ of a recording, at which its readings are likeliest [rad]."""
+    """φ₀ of a recording [rad], at which `reading`, shape (n,) [m], is likeliest; the fitted one of a recording that
+    `found` was fitted to, 0 where it does not matter."""
     if not found.hypothesis.turning:
         return 0.0
     names = [one.name for one in problem.records]

@@ -20,7 +20,11 @@ _LONGEST = 1.0  # step, in typical sizes
 
 
 def spread_over(problem: Problem, one: Fit) -> Fit:
-    """The same fit, its covariance by slopes across a standard deviation to either side of each number."""
+    """The same fit, its covariance by slopes across a standard deviation to either side of each number.
+
+    The standard deviation is that of intervals (`INFLATION`), with the other numbers held: moved alone by what all of
+    them together leave open, a number would go far beyond where the slopes mean anything.
+    """
     if not len(one.numbers):
         return one
     misses = Misses(problem, one.hypothesis, one.density)

@@ -188,6 +188,25 @@ def test_no_finding_needs_no_table(diagnosis, case):
     assert 'id="rivals"' not in page
 
 
+def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
+    """Name the curve of something else that comes closest, not the same one with more nodes, nor an effect."""
+    problem, base = diagnosis.problem, diagnosis.base
+    kinds = (Depends.POSITION, Depends.ANGLE)
+    curves = [blank(kind, False, *visited(problem, kind)) for kind in kinds]
+    found, other, finer = (
+        fit(problem, Hypothesis((), one), density=base.density) for one in (*curves, curves[0].finer())
+    )
+    tried = (
+        Entry("curve of position", (), base.bic - found.bic, True, "gains", found, base),
+        Entry("curve of angle", (), base.bic - other.bic, False, "too little", other, base),
+        Entry("finer curve of position", (), found.bic - finer.bic, False, "too little", finer, found, "curve"),
+    )
+    ledger = (*diagnosis.ledger, *tried)
+    unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=ledger)
+    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
+    assert "the nearest is curve of angle," in page
+
+
 def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
     curve = blank(Depends.POSITION, False, *visited(diagnosis.problem, Depends.POSITION))

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.identify import proposal
+from harness.identify.attempts import Entry
 from harness.identify.forecast import Forecast, forecast
 from harness.identify.independence import SIGNIFICANT
 from harness.identify.sentence import error_size, sentence, words
@@ -53,21 +54,20 @@ def _glance(account: Account) -> list[tuple[str, str, str]]:
 
 
 def _nearest(account: Account) -> str:
-    """The effect or curve that comes closest to what was found with as many others beside it."""
+    """The effect that comes closest to what was found with as many others beside it, or the other curve."""
     found = account.diagnosis.found
-    size = len(found.hypothesis.names)
-    others = [
-        one
-        for one in account.diagnosis.ledger
-        if not one.kept
-        and one.fit.hypothesis != found.hypothesis
-        and len(one.fit.hypothesis.names) == size
-        and (one.fit.hypothesis.shape is None) == (found.hypothesis.shape is None)
-        and one.rule != "curve"  # the same curve with more nodes, or with what it contains
-    ]
+    curve = found.hypothesis.shape is not None
+
+    def other(one: Entry) -> bool:
+        """A `curve` rule holds the same curve with more nodes, or with what it contains."""
+        theirs = one.fit.hypothesis
+        if one.kept or (theirs.shape is not None) != curve or one.rule == "curve":
+            return False
+        return curve or (len(theirs.names) == len(found.hypothesis.names) and theirs != found.hypothesis)
+
+    others = [one for one in account.diagnosis.ledger if other(one)]
     if not others:
         return "nothing else was fitted in the same place"
-    curve = found.hypothesis.shape is not None
     behind, nearest = min(
         (one.fit.bic - found.bic if curve else one.fit.score - found.score, one.effect) for one in others
     )
