@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.identify.attempts import Entry
-from harness.identify.fit import Fit
-from harness.identify.remainder import CURVE_THRESHOLD
-from harness.identify.shape import Depends, Shape
+from harness.identify.estimate.fit import Fit
+from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.selection.candidates import Entry
+from harness.identify.selection.spline_terms import CURVE_THRESHOLD
 
 
 def depends_on(found: Fit, ledger: Sequence[Entry]) -> list[Depends]:

@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.identify.attempts import hidden_by
-from harness.identify.contest import Contest, contest
-from harness.identify.experiment import pairs_of, reveal, separate
-from harness.identify.in_engines import engine_errors, engines_running
-from harness.identify.problem import Problem, Record
-from harness.identify.proposal import Proposal
-from harness.identify.reconsider import reconsider
+from harness.identify.design.choose import pairs_of, reveal, separate
+from harness.identify.design.proposal import Proposal
+from harness.identify.problem.problem import Problem, Record
+from harness.identify.selection.candidates import hidden_by
+from harness.identify.selection.cross_validation import reconsider
+from harness.identify.validation.baseline_comparison import Contest, contest
+from harness.identify.validation.engine_errors import engine_errors, engines_running
+from harness.identify.validation.held_out import Comparison, Split, held_out, on_another, on_identify, splits
 from harness.identify.verdict import RIVAL, Search, Verdict, search
-from harness.identify.verify import Comparison, Split, held_out, on_another, on_identify, splits
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from analytic.rig import Rig
-from harness.identify.attempts import THRESHOLD, Entry, candidates, explained, found_in
-from harness.identify.fit import INFLATION, TWO_SIDED, Fit, fit
-from harness.identify.hypothesis import Hypothesis, size
-from harness.identify.problem import Problem
-from harness.identify.remainder import remainder
-from harness.identify.select import select
-from harness.identify.spread import spread_over
+from harness.identify.estimate.covariance import spread_over
+from harness.identify.estimate.fit import INFLATION, TWO_SIDED, Fit, fit
+from harness.identify.problem.hypothesis import Hypothesis, size
+from harness.identify.problem.problem import Problem
+from harness.identify.selection.candidates import THRESHOLD, Entry, candidates, explained, found_in
+from harness.identify.selection.spline_terms import remainder
+from harness.identify.selection.stepwise import select
 
 # Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
 # 6 to 10 is strong evidence).

@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from harness.cli import main
-
-SHARED = Path(__file__).resolve().parents[3] / "shared"
+from harness.cli.main import main
+from tests.shared_data import SHARED
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.identify.prepare import problem_of
-from harness.identify.problem import Problem
+from harness.identify.problem.prepare import problem_of
+from harness.identify.problem.problem import Problem
 from harness.recording import Case, load_case
-from harness.virtual_rig import Experiment, SimulatedRecording, write_case
+from harness.simulator import Experiment, SimulatedRecording, write_case
 
 Effects = Mapping[str, Mapping[str, float]]
 DECLARED: Effects = {"rolling_resistance": {"coefficient": 0.002}}

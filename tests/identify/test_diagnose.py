@@ -11,16 +11,16 @@ import pandas as pd
 import pytest
 
 from harness.identify.diagnosis import diagnose
-from harness.identify.fit import INFLATION, fit
-from harness.identify.forecast import forecast
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.prepare import problem_of, record_of
+from harness.identify.estimate.fit import INFLATION, fit
+from harness.identify.estimate.forecast import forecast
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of, record_of
 from harness.identify.verdict import Verdict
 from harness.recording import load_case
 from tests.identify.conftest import pose
+from tests.shared_data import CASES
 
 pytestmark = pytest.mark.slow
-CASES = Path(__file__).resolve().parents[3] / "shared" / "cases"
 needs_shared = pytest.mark.skipif(not CASES.is_dir(), reason="the folder ../shared is absent")
 FOLDERS = sorted(path.parent for path in CASES.glob("*/truth.json"))
 ROLLING = {"rolling_resistance": {"coefficient": 0.004}}

@@ -8,21 +8,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.commands.diagnose import as_record, input_hashes
-from harness.compare.setting import ball_of
-from harness.identify.attempts import Entry
+from harness.cli.diagnose import as_record, input_hashes
+from harness.comparison.setting import ball_of
 from harness.identify.diagnosis import Another, Diagnosis
-from harness.identify.fit import fit
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.independence import SIGNIFICANT
-from harness.identify.prepare import problem_of
-from harness.identify.shape import Depends, blank, visited
-from harness.identify.trace import trace
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of
+from harness.identify.problem.spline_term import Depends, blank, visited
+from harness.identify.selection.candidates import Entry
+from harness.identify.validation.held_out import held_out, on_identify, splits
+from harness.identify.validation.residual_acceleration import trace
+from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import Finding, Verdict
-from harness.identify.verify import held_out, on_identify, splits
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
-from harness.virtual_rig import Experiment, write_case
+from harness.simulator import Experiment, write_case
 
 NAME = "rolling_resistance"
 EXPERIMENT = Experiment(hidden={NAME: {"coefficient": 0.004}}, duration=8.0, seed=1, predict=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.numbers import fixed
+from harness.formatting import fixed
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from harness.identify.attempts import Entry
-from harness.identify.fit import INFLATION
+from harness.formatting import fixed
+from harness.identify.estimate.fit import INFLATION
+from harness.identify.selection.candidates import Entry
 from harness.identify.verdict import RIVAL, Finding
-from harness.numbers import fixed
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table

@@ -8,19 +8,19 @@ from matplotlib.figure import Figure
 
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
-from harness.identify import proposal
-from harness.identify.attempts import Entry
-from harness.identify.forecast import Forecast, forecast
-from harness.identify.independence import SIGNIFICANT
-from harness.identify.sentence import error_size, sentence, words
+from harness.formatting import NONE, brief, number
+from harness.identify.design import proposal
+from harness.identify.estimate.forecast import Forecast, forecast
+from harness.identify.selection.candidates import Entry
+from harness.identify.validation.held_out import KNOWN
+from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import RIVAL
-from harness.identify.verify import KNOWN
-from harness.numbers import NONE, brief, number
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
 from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning
 from harness.report.tables import Column, Row, Table
+from harness.report.wording import error_size, sentence, words
 
 _REACH = 3.0  # times the largest error: a wider band would leave no room for the errors themselves
 
