@@ -113,7 +113,7 @@ class Criterion:
             Rule.EXTEND: self._extend,
         }
         kept, because = rules[rule](tried, against, gain, evidence)
-        return Decision(kept, gain, because)
+        return Decision(bool(kept), float(gain), because)
 
     def _add(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """The best of its round is kept if it lowers the criterion by more than `keep`."""
