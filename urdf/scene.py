@@ -1,9 +1,9 @@
 """The rig as URDF text, for any rig; every length comes from `analytic.geometry`.
 
 The ball touches two square bars ("rails") that stand for the channel's inner top edges. Each bar turns a face to the
-ball, so that the face is tangent to the ball on the edge: same contact point, same normal. URDF has no capsule, its
-cylinder is a 32-sided hull that sits 1 mm high in PyBullet, and PyBullet rounds the edges of a box by a margin, but
-leaves the middle of a face where it is. The channel itself, the bearing and the base plate are drawn only.
+ball, so that the face is tangent to the ball on the edge: same contact point, same normal. URDF 1.0 has no capsule,
+PyBullet makes a cylinder a 32-sided hull and adds 1 mm, and it rounds the edges of a box by a margin; the middle of a
+face stays where it is. The channel itself, the bearing and the base plate are drawn only.
 
 `python -m urdf.scene` writes `ball_beam.urdf` and `ball.urdf` for the paper's rig.
 """

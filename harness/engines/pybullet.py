@@ -23,7 +23,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-import pybullet
 from pydantic import Field, model_validator
 
 from analytic.geometry import RAIL_REACH, channel_of, to_world
@@ -31,9 +30,13 @@ from analytic.motion import BallForce, BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, spin_angle_of, start_of, track_of
 from harness.engines.protocol import EngineParameters, EngineRun
+from harness.engines.stderr import without_lines
 from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, judge, limits_of
 from harness.errors import HarnessError, InputError
 from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf
+
+with without_lines(b"pybullet build time"):  # a greeting, written from C at the first import
+    import pybullet
 
 NO_SPEED_LIMIT = 1e6  # [rad/s, m/s]
 
