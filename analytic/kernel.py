@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.models import LAW_SLOTS, SLOTS, Model, coefficients
-from analytic.motion import BeamMotion, FloatArray, State, Trajectory
+from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
 from analytic.step import advance
 
@@ -86,7 +86,7 @@ class Grid:
         edges[2::2] = begin + (within + 1.0) * self.steps
         # The stamps themselves, not their rounded sums: a motion is never asked beyond the recording's last stamp.
         edges[2 * self.marks] = self.time
-        table = np.column_stack((motion.angle(edges), motion.rate(edges), motion.acceleration(edges)))
+        table = beam_states(motion, edges)
         # Simpson's rule over a step then gives exactly the change of α̇, also where α̇ jumps (a gap that closes).
         change = np.diff(table[::2, 1]) / self.steps
         table[1::2, 2] = 0.25 * (6.0 * change - table[:-2:2, 2] - table[2::2, 2])

@@ -1,4 +1,4 @@
-"""What moves and how it moved: beam motions that can be asked at any time, ball states, trajectories."""
+"""Beam motions as functions of time, ball states and trajectories."""
 
 from __future__ import annotations
 
@@ -16,24 +16,82 @@ BallForce = Callable[[float, float, float, float], float]
 
 
 class BeamMotion(Protocol):
-    """A beam angle that is known at any time, with derivatives that belong to it."""
+    """The beam angle α as a function of time, with its first two derivatives."""
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad] at `time` [s], same shape."""
         ...
 
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s] at `time` [s], same shape."""
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] (`order` 1) or α̈ [rad/s²] (`order` 2) at `time` [s], same shape."""
         ...
 
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²] at `time` [s], same shape."""
+
+def beam_states(motion: BeamMotion, time: FloatArray) -> FloatArray:
+    """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+    return np.column_stack((motion.evaluate(time), motion.derivative(time), motion.derivative(time, 2)))
+
+
+class Spline(Protocol):
+    """A piecewise polynomial, as those of `scipy.interpolate`."""
+
+    def __call__(self, x: FloatArray, nu: int = 0, /) -> FloatArray:
+        """Its derivative of order `nu` at `x`, same shape."""
         ...
 
 
 @dataclass(frozen=True)
+class SplineMotion:
+    """A beam motion given by a spline of α [rad] over time [s]."""
+
+    spline: Spline
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return self.spline(time)
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
+        return self.spline(time, order)
+
+
+@dataclass(frozen=True)
+class ScaledMotion:
+    """`gain` times another beam motion."""
+
+    base: BeamMotion
+    gain: float
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return self.gain * self.base.evaluate(time)
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
+        return self.gain * self.base.derivative(time, order)
+
+
+@dataclass(frozen=True)
+class DelayedMotion:
+    """Another beam motion delayed by `delay` [s]; outside `begin` … `end` [s] it keeps its values there."""
+
+    base: BeamMotion
+    delay: float
+    begin: float
+    end: float
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return self.base.evaluate(np.clip(time - self.delay, self.begin, self.end))
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
+        return self.base.derivative(np.clip(time - self.delay, self.begin, self.end), order)
+
+
+@dataclass(frozen=True)
 class State:
-    """Ball on the beam: position s [m] and velocity ṡ [m/s]."""
+    """State of the ball on the beam: position s [m] and velocity ṡ [m/s]."""
 
     position: float
     velocity: float
@@ -41,10 +99,10 @@ class State:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """A ball's run along the beam.
+    """The ball's position and velocity along the beam over time.
 
     Attributes:
-        source: who says so (`measured`, `cam`, `mujoco` …).
+        source: what it comes from (`measured`, `cam`, `mujoco` …).
         time: shape (n,), strictly increasing [s].
         position: s, shape (n,) [m].
         velocity: ṡ, shape (n,) [m/s].

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from analytic.law import acceleration
 from analytic.models import Model, coefficients
-from analytic.motion import BeamMotion, FloatArray, State, Trajectory
+from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
 
 
@@ -25,8 +25,7 @@ def reference(
     p = coefficients(model, rig)
 
     def slope(t: float, y: FloatArray) -> tuple[float, float]:
-        at = np.array([t])
-        angle, rate, angular = motion.angle(at)[0], motion.rate(at)[0], motion.acceleration(at)[0]
+        angle, rate, angular = beam_states(motion, np.array([t]))[0]
         return y[1], acceleration(y[0], y[1], angle, rate, angular, p)
 
     solution = solve_ivp(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,15 +16,13 @@ class Fixed:
 
     tilt: float = 0.0
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad]."""
         return np.full_like(time, self.tilt)
 
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²]."""
         return np.zeros_like(time)
-
-    acceleration = rate
 
 
 @dataclass(frozen=True)
@@ -33,17 +32,13 @@ class Ramp:
     speed: float
     tilt: float = 0.0
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad]."""
         return self.tilt + self.speed * time
 
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
-        return np.full_like(time, self.speed)
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²]."""
-        return np.zeros_like(time)
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²]."""
+        return np.full_like(time, self.speed if order == 1 else 0.0)
 
 
 @dataclass(frozen=True)
@@ -52,14 +47,25 @@ class Sines:
 
     terms: tuple[tuple[float, float, float], ...] = ((0.04, 1.7, 0.0), (0.02, 3.1, 0.4))
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad]."""
         return sum((a * np.sin(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
 
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²]."""
+        if order == 2:
+            return sum((-a * w * w * np.sin(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
         return sum((a * w * np.cos(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
 
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²]."""
-        return sum((-a * w * w * np.sin(w * time + p) for a, w, p in self.terms), np.zeros_like(time))
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A beam motion given by three functions of time: α [rad], α̇ [rad/s], α̈ [rad/s²]."""
+
+    evaluate: Callable[[FloatArray], FloatArray]
+    rate: Callable[[FloatArray], FloatArray]
+    acceleration: Callable[[FloatArray], FloatArray]
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²]."""
+        return (self.rate, self.acceleration)[order - 1](time)

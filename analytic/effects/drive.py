@@ -1,4 +1,4 @@
-"""What stands between the measured angle and the beam's: a wrong gain, and play."""
+"""Effects between the measured angle and the beam's: a gain error and backlash."""
 
 from __future__ import annotations
 
@@ -9,40 +9,20 @@ import numpy as np
 from analytic.compiled import njit
 from analytic.effects.effect import Effect, Parameter
 from analytic.effects.force import Values
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
-_PLAY_STEP = 5e-4  # grid on which the play's contacts are followed [s]: a beam of 1 rad/s moves by a third of a count
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """`gain` times another beam motion."""
-
-    base: BeamMotion
-    gain: float
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad] at `time` [s], same shape."""
-        return self.gain * self.base.angle(time)
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s] at `time` [s], same shape."""
-        return self.gain * self.base.rate(time)
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²] at `time` [s], same shape."""
-        return self.gain * self.base.acceleration(time)
+_PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder
 
 
 @dataclass(frozen=True)
-class Played:
-    """A beam behind play: it stands while the linkage crosses the gap, and follows at ± half the width else.
+class BacklashMotion:
+    """A beam behind a linkage with backlash: it rests while the linkage crosses the gap, else follows at ± half of it.
 
     Attributes:
         base: the measured motion.
-        time, stand: grid [s] and where the beam stands on it [rad], shape (k,).
-        side: +1 or −1 where it is carried by that side of the gap, 0 where it stands, shape (k,).
-        half: half the width [rad].
+        time, stand: grid [s] and the beam's angle on it [rad], shape (k,).
+        side: the side of the gap that is in contact, +1 or −1, 0 where none is, shape (k,).
+        half: half the gap's width [rad].
     """
 
     base: BeamMotion
@@ -54,23 +34,19 @@ class Played:
     def _at(self, time: FloatArray) -> np.ndarray:
         return np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.time) - 1)
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad] at `time` [s], same shape."""
         n = self._at(time)
-        return np.where(self.side[n] != 0.0, self.base.angle(time) - self.side[n] * self.half, self.stand[n])
+        return np.where(self.side[n] != 0.0, self.base.evaluate(time) - self.side[n] * self.half, self.stand[n])
 
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s] at `time` [s], same shape; it jumps where the gap closes."""
-        return np.where(self.side[self._at(time)] != 0.0, self.base.rate(time), 0.0)
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²] at `time` [s], same shape, without the jerk of a closing gap."""
-        return np.where(self.side[self._at(time)] != 0.0, self.base.acceleration(time), 0.0)
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s], which jumps where the gap closes, or α̈ [rad/s²] without these impulses; same shape as `time`."""
+        return np.where(self.side[self._at(time)] != 0.0, self.base.derivative(time, order), 0.0)
 
 
 @njit(cache=True)
 def play(angle: FloatArray, half: float, stand: FloatArray, side: FloatArray) -> None:
-    """Follow the play operator (Krasnosel'skii and Pokrovskii, 1989) from the middle of the gap; fills the outputs."""
+    """Fill `stand` and `side` by the play operator (Krasnosel'skii and Pokrovskii, 1989), begun mid-gap."""
     beam = angle[0]
     for n in range(len(angle)):
         side[n] = 0.0
@@ -82,7 +58,7 @@ def play(angle: FloatArray, half: float, stand: FloatArray, side: FloatArray) ->
 
 
 def _scaled(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotion:
-    return Scaled(motion, values["gain"])
+    return ScaledMotion(motion, values["gain"])
 
 
 def _played(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotion:
@@ -90,8 +66,8 @@ def _played(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotio
     count = int((stamps[-1] - stamps[0]) / _PLAY_STEP) + 1
     time = np.append(stamps[0] + _PLAY_STEP * np.arange(count), stamps[-1])
     stand, side = np.empty(len(time)), np.empty(len(time))
-    play(motion.angle(time), half, stand, side)
-    return Played(motion, time, stand, side, half)
+    play(motion.evaluate(time), half, stand, side)
+    return BacklashMotion(motion, time, stand, side, half)
 
 
 DRIVE = (

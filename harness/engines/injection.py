@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -18,7 +17,7 @@ from analytic.compiled import njit
 from analytic.effects import Acting, motion_with, parameters_with
 from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, DAHL, DAHL_STIFFNESS, ORIGIN, RESPONSE, coefficients
-from analytic.motion import BallForce, BeamMotion, FloatArray
+from analytic.motion import BallForce, BeamMotion, FloatArray, SplineMotion
 from analytic.rig import Rig
 from analytic.step import dahl, dahl_limit
 
@@ -60,7 +59,7 @@ def force_of(
     begin = float(stamps[0])
     grid = begin + time_step * np.arange(int(np.ceil((stamps[-1] - begin) / time_step)) + 3)
     known = np.minimum(grid, stamps[-1])
-    rate, angular = motion.rate(known).tolist(), motion.acceleration(known).tolist()
+    rate, angular = motion.derivative(known).tolist(), motion.derivative(known, 2).tolist()
     inertia = float(rig.mass / bare[RESPONSE])
     pull, before = 0.0, (0, math.nan)  # of a Dahl friction [m/s²]; the step met last, and the ball's position then [m]
 
@@ -78,25 +77,6 @@ def force_of(
     return force
 
 
-@dataclass(frozen=True)
-class Rounded:
-    """A beam motion through given angles: a cubic spline with its derivatives."""
-
-    spline: CubicSpline
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad] at `time` [s], same shape."""
-        return np.asarray(self.spline(time))
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s] at `time` [s], same shape."""
-        return np.asarray(self.spline(time, 1))
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²] at `time` [s], same shape."""
-        return np.asarray(self.spline(time, 2))
-
-
 def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: FloatArray) -> BeamMotion:
     """The beam's motion with `effects`, its corners rounded where a gap closes.
 
@@ -107,10 +87,10 @@ def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: Flo
     if not any(one.effect.name == "linkage_backlash" for one in effects):
         return turned
     time = np.arange(stamps[0], stamps[-1] + _CORNER_STEP, _CORNER_STEP)
-    angle = turned.angle(np.minimum(time, stamps[-1]))
+    angle = turned.evaluate(np.minimum(time, stamps[-1]))
     window = np.hanning(_CORNER_SPAN + 2)[1:-1]
     padded = np.pad(angle, _CORNER_SPAN // 2, mode="edge")
-    return Rounded(CubicSpline(time, np.convolve(padded, window / window.sum(), mode="valid")))
+    return SplineMotion(CubicSpline(time, np.convolve(padded, window / window.sum(), mode="valid")))
 
 
 @njit(cache=True)

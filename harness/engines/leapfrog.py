@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.geometry import to_world
-from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
+from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
 from harness.errors import InputError
 
@@ -61,9 +61,9 @@ def grid_of(motion: BeamMotion, stamps: FloatArray, time_step: float) -> Grid:
     time = first + time_step * np.arange(steps + 1, dtype=np.float64)
     beyond = np.maximum(time - last, 0.0)
     known = np.minimum(time, last)
-    angle: FloatArray = motion.angle(known)
+    angle: FloatArray = motion.evaluate(known)
     end = np.array([last])
-    angle = angle + beyond * motion.rate(end)[0] + 0.5 * beyond**2 * motion.acceleration(end)[0]
+    angle = angle + beyond * motion.derivative(end)[0] + 0.5 * beyond**2 * motion.derivative(end, 2)[0]
     if not np.isfinite(angle).all():
         bad = float(time[np.flatnonzero(~np.isfinite(angle))[0]])
         raise InputError(f"the beam motion is not finite at t = {bad:.3f} s; check the recorded angle there")
@@ -92,7 +92,7 @@ class Start:
 def start_of(rig: Rig, motion: BeamMotion, grid: Grid, start: State, force: BallForce | None) -> Start:
     """The rolling ball half a step before t₀; eq. 14 gives s̈ at t₀, everything later is the engine's."""
     first, dt = grid.time[:1], grid.time_step
-    angle, rate, turn = (float(of(first)[0]) for of in (motion.angle, motion.rate, motion.acceleration))
+    angle, rate, turn = beam_states(motion, first)[0].tolist()
     s, v, r = start.position, start.velocity, rig.rolling_radius
     extra = force(s, v, angle, float(first[0])) / rig.mass if force else 0.0
     push = rig.gravity * math.sin(angle + rig.level_angle) + s * rate**2 - rig.lever * turn + extra

@@ -70,7 +70,7 @@ class MuJoCo:
         grid = grid_of(motion, time, settings.time_step)
         first = start_of(rig, motion, grid, start, force)
         begin = grid.time[:1]
-        rate = float((motion.rate(begin) - 0.5 * grid.time_step * motion.acceleration(begin))[0])
+        rate = float((motion.derivative(begin) - 0.5 * grid.time_step * motion.derivative(begin, 2))[0])
         with _quiet():
             model = _load(rig, settings)
             lift = _settle(self.name, model, rig, settings.margin, grid)

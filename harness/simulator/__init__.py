@@ -20,7 +20,7 @@ from harness.simulator.protocol import (
     recording_text,
     write_recording,
 )
-from harness.simulator.replay import Replay
+from harness.simulator.replay import beam_motion, shaft_motion
 from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
 
@@ -37,14 +37,15 @@ __all__ = [
     "Plant",
     "Protocol",
     "Record",
-    "Replay",
     "Run",
     "Sensors",
     "Servo",
     "SimulatedRecording",
+    "beam_motion",
     "perform",
     "record",
     "recording_text",
+    "shaft_motion",
     "simulate",
     "truth",
     "write_case",

@@ -24,7 +24,7 @@ from harness.simulator.laws import (
     track_tilt,
 )
 from harness.simulator.plant import Plant, Run
-from harness.simulator.replay import Replay
+from harness.simulator.replay import beam_motion
 
 GRIPS = 0.1  # μ below which a ball may slide, which no force along the beam can stand for
 
@@ -96,7 +96,7 @@ def force_in_engine(plant: Plant, motion: BeamMotion, start: State, stamps: Floa
     rig, laws = plant.rig, plant.laws
     resistance = Resistance(rig, plant.rolling_resistance, laws, time_step)
     begin, height = float(stamps[0]), rig.eccentricity + rig.rolling_radius
-    rates, turns = (of(stamps).tolist() for of in (motion.rate, motion.acceleration))
+    rates, turns = motion.derivative(stamps).tolist(), motion.derivative(stamps, 2).tolist()
     spacing = (float(stamps[-1]) - begin) / (len(stamps) - 1)
 
     def force(s: float, v: float, angle: float, time: float) -> float:
@@ -127,7 +127,7 @@ def engine_mover(name: str, *, time_step: float = 5e-4) -> Mover:
     settings = engine.parameters(time_step=time_step)
 
     def move(run: Run, plant: Plant, start: State, stamps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        motion = Replay.of_beam(run)
+        motion = beam_motion(run)
         force = force_in_engine(plant, motion, start, stamps, time_step)
         moved = engine.run(plant.rig, motion, start, stamps, parameters=settings, force=force).trajectory
         return moved.position, moved.velocity

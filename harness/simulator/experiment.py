@@ -15,7 +15,7 @@ from harness.simulator.effects import UNLISTED, Effects, checked
 from harness.simulator.moves import SERVO, random_controller, random_protocol, random_start
 from harness.simulator.plant import Plant, Run, simulate
 from harness.simulator.protocol import Record, Sensors, perform, record, turned_before
-from harness.simulator.replay import Replay
+from harness.simulator.replay import shaft_motion
 from harness.simulator.sensors import Encoder, Laser
 
 MARGIN = 0.1  # by which the laser reads further than the ball may roll [m]
@@ -194,7 +194,7 @@ class Experiment:
             return perform(protocol, plant, SERVO, controller, sensors, seed)
         known = self.plant(seed, self.declared)
         rehearsal, _ = perform(protocol, known, SERVO, controller, replace(sensors, channel=Sensors().channel), seed)
-        run = simulate(plant, Replay.of_shaft(rehearsal), State(start, 0.0), self.duration)
+        run = simulate(plant, shaft_motion(rehearsal), State(start, 0.0), self.duration)
         return run, record(run, sensors, seed)
 
     def _told(self, run: Run, written: Record, seed: int, mover: Mover | None) -> SimulatedRecording:

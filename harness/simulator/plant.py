@@ -10,7 +10,7 @@ from typing import cast
 import numba
 import numpy as np
 
-from analytic.motion import BeamMotion, FloatArray, State
+from analytic.motion import BeamMotion, FloatArray, State, beam_states
 from analytic.rig import Rig
 from harness.simulator.acting import laws_with
 from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Constants
@@ -258,9 +258,7 @@ def simulate(plant: Plant, motion: BeamMotion, start: State, duration: float) ->
         ValueError: `duration` is shorter than a step.
     """
     simulation = Simulation(plant, start, duration)
-    simulation.shaft[0] = motion.angle(simulation.time)
-    simulation.shaft[1] = motion.rate(simulation.time)
-    simulation.shaft[2] = motion.acceleration(simulation.time)
+    simulation.shaft[:] = beam_states(motion, simulation.time).T
     simulation.begin()
     simulation.advance(simulation.time.size - 1)
     return simulation.run()

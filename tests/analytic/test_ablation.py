@@ -44,7 +44,7 @@ def test_eccentric_term_is_worth_35_mm_per_radian() -> None:
     shift = positions(CAM.variant("a", centrifugal=False)) - positions(
         CAM.variant("b", centrifugal=False, eccentric=False)
     )
-    angle, rate = MOTION.angle(TIME), MOTION.rate(TIME[:1])[0]
+    angle, rate = MOTION.evaluate(TIME), MOTION.derivative(TIME[:1])[0]
     # Simpson's rule on sin ω t over 2.5 ms: (ω h)⁴/2880 = 2.6e-13 of the shift; rounding of s: 1200 steps of 1e-16 m
     np.testing.assert_allclose(shift, -worth * (angle - angle[0] - rate * TIME), rtol=0.0, atol=1e-12)
 

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from analytic.effects import CATALOGUE, EffectError, acting, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.models import CAM
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import BeamMotion, FloatArray, beam_states
 from analytic.rig import Rig
 from tests.motions import Fixed, Sines
 
@@ -36,7 +36,7 @@ def eq_14_with(force: Callable[[float, float, float], float], tilt: Callable[[fl
 
     def slope(t: float, y: FloatArray) -> tuple[float, float]:
         s, v = y
-        angle, rate, angular = (float(of(np.array([t]))[0]) for of in (motion.angle, motion.rate, motion.acceleration))
+        angle, rate, angular = beam_states(motion, np.array([t]))[0].tolist()
         J, h = RIG.inertia, RIG.eccentricity
         right = M * G * math.sin(angle + tilt(s)) + M * s * rate**2 - (M * (h + R_) + J / R_) * angular + force(s, v, t)
         return v, right / (J / R_**2 + M)

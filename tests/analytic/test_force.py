@@ -13,7 +13,7 @@ from analytic.effects import CATALOGUE, Acting, Effect, EffectError, Force, Para
 from analytic.kernel import Grid, integrate
 from analytic.law import hermite
 from analytic.models import CAM, LAW_NODES, ORIGIN, SLOTS, coefficients
-from analytic.motion import FloatArray
+from analytic.motion import FloatArray, beam_states
 from analytic.rig import Rig
 from tests.motions import Sines
 
@@ -72,7 +72,7 @@ def test_force_obeys_its_law(by: str) -> None:
 
     def slope(t: float, y: FloatArray) -> tuple[float, float]:
         s, v = y
-        angle, rate, angular = (float(of(np.array([t]))[0]) for of in (MOTION.angle, MOTION.rate, MOTION.acceleration))
+        angle, rate, angular = beam_states(MOTION, np.array([t]))[0].tolist()
         at = {"position": s, "velocity": v, "angle": angle, "roll_angle": (s - START[0]) / r}[by]
         right = m * RIG.gravity * math.sin(angle) + m * s * rate**2 + float(law(np.array(at), size))
         return v, (right - (m * (RIG.eccentricity + r) + J / r) * angular) / (J / r**2 + m)

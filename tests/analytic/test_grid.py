@@ -9,24 +9,13 @@ from hypothesis import strategies as st
 
 from analytic.kernel import Grid
 from analytic.motion import FloatArray
+from tests.motions import ClosedForm
 
 EPS = np.finfo(float).eps
 
 
-class Clock:
-    """A motion whose angle is the time itself, so that a table shows when it was asked."""
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """The time [s]."""
-        return time
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """Minus the time [s]."""
-        return -time
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """Twice the time [s]."""
-        return 2.0 * time
+# A motion whose angle is the time itself, so that a table shows when it was evaluated.
+CLOCK = ClosedForm(lambda time: time, lambda time: -time, lambda time: 2.0 * time)
 
 
 @st.composite
@@ -74,7 +63,7 @@ def test_marks_lead_from_stamps_to_steps(time: FloatArray, longest: float) -> No
 def test_table_asks_the_motion_at_both_ends_and_middle_of_each_step(time: FloatArray, longest: float) -> None:
     """Ask exactly at the stamps, never outside them, and in between where the steps lie."""
     grid = Grid.over(time, longest)
-    table = grid.tabulate(Clock())
+    table = grid.tabulate(CLOCK)
     asked = table[:, 0]
     assert table.shape == (2 * len(grid.steps) + 1, 3)
     np.testing.assert_array_equal(table[:, :2], np.outer(asked, [1.0, -1.0]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from analytic.models import CAM, CUM, FRICTION, MODELS, Model, Reading, coeffici
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.reference import reference
 from analytic.rig import Rig
-from tests.motions import Fixed, Ramp, Sines
+from tests.motions import ClosedForm, Fixed, Ramp, Sines
 
 RIG = Rig(level_angle=0.002)
 MOTION = Sines()
@@ -115,24 +114,13 @@ def test_steadily_turning_beam_has_a_closed_solution(model: Model) -> None:
     np.testing.assert_allclose(run.position, expected, rtol=0.0, atol=5e-12)
 
 
-@dataclass(frozen=True)
-class Kick:
+def kick(begin: float, steepness: float = 5.0) -> ClosedForm:
     """A beam at rest that turns with a constant α̈ [rad/s²] from `begin` [s] on."""
-
-    begin: float
-    steepness: float = 5.0
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad]."""
-        return 0.5 * self.steepness * np.maximum(time - self.begin, 0.0) ** 2
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
-        return self.steepness * np.maximum(time - self.begin, 0.0)
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²]."""
-        return np.where(time > self.begin, self.steepness, 0.0)
+    return ClosedForm(
+        lambda time: 0.5 * steepness * np.maximum(time - begin, 0.0) ** 2,
+        lambda time: steepness * np.maximum(time - begin, 0.0),
+        lambda time: np.where(time > begin, steepness, 0.0),
+    )
 
 
 def test_jump_of_the_beam_acceleration_costs_nothing() -> None:
@@ -141,7 +129,7 @@ def test_jump_of_the_beam_acceleration_costs_nothing() -> None:
     rig, one = Rig(), Grid.over(np.array([0.0, step]), step)
     errors = []
     for begin in step * np.concatenate((np.linspace(0.0, 1.0, 21), [0.5 - 1e-9, 0.5 + 1e-9])):
-        (found,) = free_run(CAM, one, Kick(begin), rig, State(0.36, 0.0)).velocity[:, -1]
+        (found,) = free_run(CAM, one, kick(begin), rig, State(0.36, 0.0)).velocity[:, -1]
         # α̈ acts for step − begin; the gravity and s α̇² that it brings about are smaller by g step²/(2 · lever) = 1e-4
         errors.append(abs(found + rig.rolling_ratio * rig.lever * 5.0 * (step - begin)))
     assert max(errors) < 1e-3 * rig.rolling_ratio * rig.lever * 5.0 * step

@@ -8,7 +8,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from analytic.models import MODELS
-from analytic.motion import State
+from analytic.motion import State, beam_states
 from analytic.reference import reference
 from analytic.rig import Rig
 from tests.analytic.symbols import (
@@ -67,8 +67,7 @@ def test_reference_solves_the_printed_equation(name: str) -> None:
     slope = sp.lambdify((s, v, alpha, rate, angular), solved.subs(values), "math")
 
     def derivative(now: float, state: np.ndarray) -> tuple[float, float]:
-        t = np.float64(now)
-        return state[1], slope(*state, motion.angle(t), motion.rate(t), motion.acceleration(t))
+        return state[1], slope(*state, *beam_states(motion, np.array([now]))[0])
 
     solution = solve_ivp(derivative, (0.0, 10.0), (0.36, 0.05), "DOP853", time, rtol=1e-12, atol=1e-12, max_step=0.02)
     found = reference(MODELS[name], rig, motion, start, time)

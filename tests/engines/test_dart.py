@@ -17,7 +17,7 @@ from harness.engines.dart import Dart, DartParameters
 from harness.engines.health import Failure
 from harness.engines.protocol import EngineRun
 from harness.errors import EngineFailure, InputError
-from tests.motions import Fixed, Sines
+from tests.motions import ClosedForm, Fixed, Sines
 
 
 def dart_loads() -> bool:
@@ -90,23 +90,14 @@ def test_two_contacts_in_every_step() -> None:
 @needs_dart
 def test_ball_at_rest_wakes_up() -> None:
     """Keep the ball at rest for longer than DART's sleep timer, then tilt: it rolls as from the start."""
-
-    class Late(Sines):
-        def angle(self, time: np.ndarray) -> np.ndarray:
-            """α [rad]."""
-            return 0.02 * np.maximum(time - 2.0, 0.0) ** 3
-
-        def rate(self, time: np.ndarray) -> np.ndarray:
-            """α̇ [rad/s]."""
-            return 0.06 * np.maximum(time - 2.0, 0.0) ** 2
-
-        def acceleration(self, time: np.ndarray) -> np.ndarray:
-            """α̈ [rad/s²]."""
-            return 0.12 * np.maximum(time - 2.0, 0.0)
-
+    late = ClosedForm(
+        lambda time: 0.02 * np.maximum(time - 2.0, 0.0) ** 3,
+        lambda time: 0.06 * np.maximum(time - 2.0, 0.0) ** 2,
+        lambda time: 0.12 * np.maximum(time - 2.0, 0.0),
+    )
     stamps = np.linspace(0.0, 3.0, 31)
-    exact = reference(CAM, PAPER, Late(), START, stamps)
-    result = Dart().run(PAPER, Late(), START, stamps)
+    exact = reference(CAM, PAPER, late, START, stamps)
+    result = Dart().run(PAPER, late, START, stamps)
     assert abs(exact.position[-1] - START.position) > 1e-3
     assert np.abs(result.trajectory.position - exact.position).max() < 1.5e-6
 

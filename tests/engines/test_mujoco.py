@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from analytic.geometry import RAIL_REACH
 from analytic.models import CAM
-from analytic.motion import BallForce, BeamMotion, FloatArray, State
+from analytic.motion import BallForce, BeamMotion, FloatArray, State, beam_states
 from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.health import Failure
@@ -61,7 +61,7 @@ def remainder(time_step: float) -> float:
     Friction leaves a slip of ½ s α̇² dt (2 − x)/x, with x = 1.8; a slip moves the ball by the share 1 − K.
     """
     position = reference(CAM, PAPER, TWO_SINES, START, STAMPS).position
-    slip = 0.5 * float(np.mean(position * TWO_SINES.rate(STAMPS) ** 2)) * time_step * (0.2 / 1.8)
+    slip = 0.5 * float(np.mean(position * TWO_SINES.derivative(STAMPS) ** 2)) * time_step * (0.2 / 1.8)
     return (1.0 - PAPER.rolling_ratio) * slip * 10.0
 
 
@@ -234,8 +234,7 @@ def test_force_acts_along_the_beam() -> None:
         return -0.05 * v + 0.01 * math.sin(s / 0.05) + 0.2 * angle * math.cos(t)
 
     def slope(t: float, y: FloatArray) -> tuple[float, float]:
-        at = np.array([t])
-        angle, rate, turn = (float(of(at)[0]) for of in (TWO_SINES.angle, TWO_SINES.rate, TWO_SINES.acceleration))
+        angle, rate, turn = beam_states(TWO_SINES, np.array([t]))[0]
         drive = rig.gravity * math.sin(angle) + y[0] * rate**2 - rig.lever * turn
         return y[1], rig.rolling_ratio * (drive + force(y[0], y[1], angle, t) / rig.mass)
 
@@ -279,9 +278,9 @@ class Jump(Sines):
 
     height: float = 0.02
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad]."""
-        return super().angle(time) + np.where(time > 4.0, self.height, 0.0)
+        return super().evaluate(time) + np.where(time > 4.0, self.height, 0.0)
 
 
 def test_jump_of_the_angle_throws_the_ball_out() -> None:

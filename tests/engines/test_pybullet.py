@@ -13,14 +13,14 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
 from analytic.models import CAM
-from analytic.motion import BallForce, State
+from analytic.motion import BallForce, State, beam_states
 from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.health import Failure
 from harness.engines.protocol import EngineRun
 from harness.engines.pybullet import PyBullet, PyBulletParameters
 from harness.errors import EngineFailure, InputError
-from tests.motions import Fixed, Ramp, Sines
+from tests.motions import ClosedForm, Fixed, Ramp, Sines
 
 PAPER = Rig()
 SMALL = Rig(radius=0.01, rolling_radius=0.007, inertia=2.84e-6)
@@ -125,8 +125,7 @@ def test_extra_force_acts_along_the_beam(force: BallForce) -> None:
     """Apply a force at the ball's centre and follow eq. 14 with it on the right-hand side."""
 
     def slope(t: float, y: np.ndarray) -> tuple[float, float]:
-        at = np.array([t])
-        angle, rate, turn = MOTION.angle(at)[0], MOTION.rate(at)[0], MOTION.acceleration(at)[0]
+        angle, rate, turn = beam_states(MOTION, np.array([t]))[0]
         push = PAPER.gravity * math.sin(angle) + y[0] * rate**2 - PAPER.lever * turn
         return y[1], PAPER.rolling_ratio * (push + force(y[0], y[1], angle, t) / PAPER.mass)
 
@@ -245,26 +244,18 @@ def test_ball_on_a_fast_seesaw_leaves_the_groove() -> None:
     assert 0.0 < failure.time < 3.0
 
 
-class Snap:
-    """A beam that snaps by 2.3° within about 40 ms at t = 0.5 s, so hard that the ball flies for a moment."""
-
-    def angle(self, time: np.ndarray) -> np.ndarray:
-        """α [rad]."""
-        return 0.02 * np.tanh((time - 0.5) / 0.02)
-
-    def rate(self, time: np.ndarray) -> np.ndarray:
-        """α̇ [rad/s]."""
-        return 1.0 / np.cosh((time - 0.5) / 0.02) ** 2
-
-    def acceleration(self, time: np.ndarray) -> np.ndarray:
-        """α̈ [rad/s²]."""
-        return -2.0 * self.rate(time) * np.tanh((time - 0.5) / 0.02) / 0.02
+# A beam that snaps by 2.3° within about 40 ms at t = 0.5 s, so hard that the ball flies for a moment.
+SNAP = ClosedForm(
+    lambda time: 0.02 * np.tanh((time - 0.5) / 0.02),
+    lambda time: 1.0 / np.cosh((time - 0.5) / 0.02) ** 2,
+    lambda time: -2.0 / np.cosh((time - 0.5) / 0.02) ** 2 * np.tanh((time - 0.5) / 0.02) / 0.02,
+)
 
 
 def test_short_flight_is_a_lost_contact() -> None:
     """Notice a ball that lifts off for a moment and lands in the groove again."""
     # N < 0 where s α̈ > g: 0.36 m × 0.77 × 50 rad/s² = 14 m/s², from about 0.02 s before the middle of the snap on.
-    failure = failure_of(motion=Snap(), time=np.linspace(0.0, 1.0, 11))
+    failure = failure_of(motion=SNAP, time=np.linspace(0.0, 1.0, 11))
     assert failure.failure is Failure.LOST_CONTACT
     assert 0.45 < failure.time < 0.55
 

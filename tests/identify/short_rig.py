@@ -16,7 +16,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of, record_of
 from harness.identify.problem.problem import Problem, Record
 from harness.recording import Case, load_case, load_recording
-from harness.signals.drive import PathDrive
+from harness.signals.drive import QuinticMotion
 from harness.simulator import Experiment, write_case
 from harness.simulator.plant import Run, simulate
 from harness.simulator.protocol import record, write_recording
@@ -49,7 +49,7 @@ class Short:
         rate = np.gradient(proposal.angle, proposal.time)
         bent = np.gradient(rate, proposal.time)
         start = State(float(proposal.reading[0]), 0.0)
-        motion = PathDrive(proposal.time, np.column_stack((proposal.angle, rate, bent)))
+        motion = QuinticMotion(proposal.time, np.column_stack((proposal.angle, rate, bent)))
         return simulate(
             self.experiment.plant(SEEDS[0], self.experiment.acting), motion, start, float(proposal.time[-1])
         )

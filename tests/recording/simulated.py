@@ -25,21 +25,14 @@ class Cosines:
     amplitudes: tuple[float, ...] = (0.03, 0.02)
     frequencies: tuple[float, ...] = (1.3, 2.9)
 
-    def _sum(self, time: FloatArray, order: int) -> FloatArray:
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²]."""
         terms = zip(self.amplitudes, self.frequencies, strict=True)
         return np.sum([a * w**order * np.cos(w * time + order * np.pi / 2) for a, w in terms], axis=0)
 
-    def angle(self, time: FloatArray) -> FloatArray:
+    def evaluate(self, time: FloatArray) -> FloatArray:
         """α [rad]."""
-        return self._sum(time, 0)
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s]."""
-        return self._sum(time, 1)
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²]."""
-        return self._sum(time, 2)
+        return self.derivative(time, 0)
 
 
 SWINGS = Cosines()
@@ -63,7 +56,7 @@ def simulated(
     noisy = path + np.random.default_rng(seed).normal(0.0, noise, len(time))
     return (
         time,
-        np.round(motion.angle(time) / ANGLE_STEP) * ANGLE_STEP,
+        np.round(motion.evaluate(time) / ANGLE_STEP) * ANGLE_STEP,
         np.round(noisy / POSITION_STEP) * POSITION_STEP,
     )
 

@@ -9,7 +9,7 @@ from analytic.models import CAM, Model, Reading
 from analytic.motion import FloatArray, State
 from analytic.rig import Rig
 from harness.signals.ball_state import BallEstimate, estimate_ball
-from harness.signals.drive import PathDrive, make_drive
+from harness.signals.drive import QuinticMotion, make_drive
 from tests.shared_data import SHARED
 from tests.signals.known_angles import rms, servo_angle
 
@@ -21,15 +21,15 @@ RIG = Rig(friction_coefficient=0.004, transition_velocity=1e-3)
 DECELERATION = 0.026
 
 
-def motion(seed: int) -> PathDrive:
+def motion(seed: int) -> QuinticMotion:
     """A beam that swings about level within 2°, so that the ball does."""
     phase = np.random.default_rng(seed).uniform(0.0, 6.3)
     a, w = 0.035, 1.9
     swing = w * TIME + phase
-    return PathDrive(TIME, np.column_stack((a * np.sin(swing), a * w * np.cos(swing), -a * w * w * np.sin(swing))))
+    return QuinticMotion(TIME, np.column_stack((a * np.sin(swing), a * w * np.cos(swing), -a * w * w * np.sin(swing))))
 
 
-def run(seed: int, model: Model = CAM) -> tuple[PathDrive, FloatArray, FloatArray, FloatArray]:
+def run(seed: int, model: Model = CAM) -> tuple[QuinticMotion, FloatArray, FloatArray, FloatArray]:
     """Beam, true position and velocity, and readings of a ball."""
     beam = motion(seed)
     truth = simulate([model], RIG, beam, State(0.35, 0.02), TIME)[0]
@@ -150,7 +150,7 @@ def test_angle_read_by_an_encoder():
     states = servo_angle(1).states(TIME)
     step = 2 * np.pi / 4096
     drive = make_drive(TIME, np.rint(states[:, 0] / step) * step, resolution=step)
-    truth = simulate([CAM], Rig(), PathDrive(TIME, states), State(0.0, 0.0), TIME)[0]
+    truth = simulate([CAM], Rig(), QuinticMotion(TIME, states), State(0.0, 0.0), TIME)[0]
     readings = truth.position + NOISE * np.random.default_rng(0).standard_normal(len(TIME))
     ball = estimate_ball(TIME, readings, drive, Rig(), noise=NOISE)
     assert rms((ball.position - truth.position) / deviation(ball)[:, 0]) < 1.5

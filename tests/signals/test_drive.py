@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -95,15 +97,16 @@ def test_rate_and_acceleration_are_the_derivatives_of_the_angle():
     drive, *_ = next(drives(4096, 0.0, range(1, 2)))
     inner = np.linspace(0.1, 15.8, 5003)
     h = 1e-5
-    for value, slope, scale in ((drive.angle, drive.rate, 0.5), (drive.rate, drive.acceleration, 5.0)):
+    rate, acceleration = drive.derivative, partial(drive.derivative, order=2)
+    for value, slope, scale in ((drive.evaluate, rate, 0.5), (rate, acceleration, 5.0)):
         difference = (value(inner + h) - value(inner - h)) / (2 * h)
         # h² x⁗/6 with third derivatives of 1e3 scale units within 10 ms; rounding 1e-16 · 16 s / h adds 1e-10.
         assert np.max(np.abs(difference - slope(inner))) < 1e-4 * scale
     eps = 1e-12
-    jump = drive.acceleration(TIME[1:-1] + eps) - drive.acceleration(TIME[1:-1] - eps)
+    jump = acceleration(TIME[1:-1] + eps) - acceleration(TIME[1:-1] - eps)
     # α⃛ of up to 1e4 rad/s³ over 2e-12 s; coefficients of h⁻⁵ = 1e10 at 1e-16 · 0.05 rad · h³ round to 1e-10.
     assert np.max(np.abs(jump)) < 1e-6
-    assert np.allclose(drive.angle(TIME), drive.states[:, 0], rtol=0.0, atol=1e-14)
+    assert np.allclose(drive.evaluate(TIME), drive.states[:, 0], rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.2, 0.45, -0.3])

@@ -17,7 +17,7 @@ def test_nodes_are_where_the_kernel_tabulates() -> None:
     """Give the times of a table's rows, on uneven stamps too."""
     grid, motion = Grid.over(UNEVEN), Sines()
     # 1e-12 s of rounding in a sum of some thousand steps, at a rate of 0.13 rad/s.
-    np.testing.assert_allclose(grid.tabulate(motion)[:, 0], motion.angle(nodes(grid)), atol=1e-12)
+    np.testing.assert_allclose(grid.tabulate(motion)[:, 0], motion.evaluate(nodes(grid)), atol=1e-12)
 
 
 def test_cubic_motion_is_exact() -> None:

@@ -14,7 +14,7 @@ from analytic.rig import Rig
 from harness.simulator import Plant, simulate
 from harness.simulator.contact import friction, step
 from harness.simulator.plant import compiled
-from tests.simulator.motions import Fixed, Parabola, Sines
+from tests.simulator.motions import Fixed, Sines, parabola
 
 RIG = Rig()
 C = 0.004
@@ -86,7 +86,7 @@ def test_ball_rolls_without_slip_below_the_grip() -> None:
 def test_ball_flies_when_the_beam_drops_away_and_lands() -> None:
     """Let the ball fall freely while the beam drops faster than g, and land without bouncing."""
     # the plane under s = 0.4 m drops with 24 m/s²; within 0.03 s it falls 11 mm, the ball 4.4 mm
-    run = simulate(Plant(), Parabola(60.0, 0.03), State(0.4, 0.0), 0.2)
+    run = simulate(Plant(), parabola(60.0, 0.03), State(0.4, 0.0), 0.2)
     up = RIG.eccentricity + RIG.rolling_radius + run.gap
     x = run.position * np.cos(run.angle) + up * np.sin(run.angle)
     z = up * np.cos(run.angle) - run.position * np.sin(run.angle)
@@ -103,7 +103,7 @@ def test_ball_flies_when_the_beam_drops_away_and_lands() -> None:
 
 def test_landing_takes_the_energy_that_is_missing() -> None:
     """Account for the energy an inelastic landing on a standing beam takes."""
-    run = simulate(Plant(), Parabola(60.0, 0.03), State(0.4, 0.0), 0.2)
+    run = simulate(Plant(), parabola(60.0, 0.03), State(0.4, 0.0), 0.2)
     # In the step of the impact the height is put back by up to v dt = 0.4 m/s · 1e-4 s: m g · 40 µm = 28 µJ.
     # At the start of the flight nothing is lost.
     assert run.energy[-1] - run.energy[0] - run.work[-1] + run.dissipated[-1] == pytest.approx(0.0, abs=2.8e-5)

@@ -16,7 +16,7 @@ from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.simulator import Plant, simulate
 from harness.simulator.bundled import LEVEL_ANGLE, ROLLING_RESISTANCE, perform_all
-from harness.simulator.replay import Replay
+from harness.simulator.replay import beam_motion
 from tests.simulator.motions import Fixed, Sines
 
 RIG = Rig()
@@ -30,9 +30,9 @@ def cam_reference(rig: Rig, motion: BeamMotion, start: State, time: FloatArray) 
     def slope(t: float, state: FloatArray) -> list[float]:
         s, v = state
         now = np.array(t)
-        weight = m * rig.gravity * math.sin(motion.angle(now) + rig.level_angle)
-        push = m * s * float(motion.rate(now)) ** 2 + weight - (m * (h + r) + J / r) * float(motion.acceleration(now))
-        return [v, push / (J / r**2 + m)]
+        weight = m * rig.gravity * math.sin(motion.evaluate(now) + rig.level_angle)
+        inertial = m * s * float(motion.derivative(now)) ** 2 - (m * (h + r) + J / r) * float(motion.derivative(now, 2))
+        return [v, (weight + inertial) / (J / r**2 + m)]
 
     start_state = [start.position, start.velocity]
     solution = solve_ivp(slope, (time[0], time[-1]), start_state, "DOP853", time, rtol=1e-12, atol=1e-14)
@@ -79,7 +79,7 @@ def test_bundled_plant_is_converged_at_its_step() -> None:
     """Keep the bundled recordings' truth, with its stops and starts, within 0.1 µm of a four times finer step."""
     for run, _ in perform_all().values():
         plant = Plant(rig=Rig(level_angle=LEVEL_ANGLE), rolling_resistance=ROLLING_RESISTANCE, step=2.5e-5)
-        fine = simulate(plant, Replay.of_beam(run), State(float(run.position[0]), 0.0), float(run.time[-1]))
+        fine = simulate(plant, beam_motion(run), State(float(run.position[0]), 0.0), float(run.time[-1]))
         # A turning point is found to dt/1024 = 0.1 µs; resistance of the wrong sign for so long changes ṡ by
         # 2 c g K · 0.1 µs = 4.5 nm/s. Rolling on for the rest of 14 s makes 60 nm; the next rest forgets it.
         assert np.max(np.abs(fine.position[::4] - run.position)) < 1e-7
@@ -193,14 +193,14 @@ def test_servo_motion_drives_the_plant_like_any_motion() -> None:
     """Follow eq. 14 under the servo's motion to second order, because the jumps of its α̈ fall between steps."""
     run, _ = next(iter(perform_all().values()))
     start, duration = State(0.36, 0.0), 6.0
-    coarse, fine = (simulate(Plant(step=step), Replay.of_beam(run), start, duration) for step in (1e-4, 5e-5))
+    coarse, fine = (simulate(Plant(step=step), beam_motion(run), start, duration) for step in (1e-4, 5e-5))
     own_error = 4 / 3 * np.max(np.abs(coarse.position - fine.position[::2]))  # of the coarser run
     # classical Runge–Kutta on the servo's own steps, in which α̈ is constant: error (ω dt)⁴ = 1e-13, so 1e-11 m for
     # rounding over 6e4 steps
     position, velocity = start.position, start.velocity
     half = 0.5 * (coarse.time[1] - coarse.time[0])
     places = np.arange(2 * coarse.time.size - 1) * half
-    angle, rate = Replay.of_beam(run).angle(places), Replay.of_beam(run).rate(places)
+    angle, rate = beam_motion(run).evaluate(places), beam_motion(run).derivative(places)
     acceleration = run.acceleration.repeat(2)
     lever = RIG.eccentricity + RIG.rolling_radius + RIG.inertia / (RIG.mass * RIG.rolling_radius)
     expected = [position]

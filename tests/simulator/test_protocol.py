@@ -26,7 +26,7 @@ from harness.simulator import (
     simulate,
     write_recording,
 )
-from harness.simulator.replay import Replay
+from harness.simulator.replay import beam_motion
 from tests.simulator.motions import Sines
 
 PLANT = Plant(rolling_resistance=0.003)
@@ -59,7 +59,7 @@ def test_same_seed_same_recording() -> None:
 def test_closed_loop_records_what_an_open_loop_replay_records() -> None:
     """Write down the same readings whether the controller looked at them or not."""
     run, closed = performed(7)
-    replayed = simulate(PLANT, Replay.of_beam(run), State(0.36, 0.0), 6.0)
+    replayed = simulate(PLANT, beam_motion(run), State(0.36, 0.0), 6.0)
     opened = record(replayed, Sensors(), 7)
     # the same steps and the same noise; the replayed α differs by its rounding only
     np.testing.assert_allclose(replayed.position, run.position, rtol=0.0, atol=1e-9)

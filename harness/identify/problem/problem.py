@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analytic.effects import Acting, motion_with, parameters_with
 from analytic.kernel import Grid
 from analytic.models import CAM, ORIGIN, Model
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import DelayedMotion, FloatArray
 from analytic.rig import Rig
 from harness.identify.filter.ekf import (
     BeamTable,
@@ -28,31 +28,6 @@ from harness.signals.prescribed import nodes
 
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the angle's error is correlated, shorter than the ball's moves
 _LONGEST_STEP = 1e-2  # [s]: leaves 2e-6 m in 10 s even where the ball stops and turns, a hundredth of any sensor
-
-
-@dataclass(frozen=True)
-class Shifted:
-    """A beam motion that is `delay` [s] late; before it began it stands."""
-
-    base: BeamMotion
-    delay: float
-    begin: float
-    end: float
-
-    def _then(self, time: FloatArray) -> FloatArray:
-        return np.clip(time - self.delay, self.begin, self.end)
-
-    def angle(self, time: FloatArray) -> FloatArray:
-        """α [rad] at `time` [s], same shape."""
-        return self.base.angle(self._then(time))
-
-    def rate(self, time: FloatArray) -> FloatArray:
-        """α̇ [rad/s] at `time` [s], same shape."""
-        return self.base.rate(self._then(time))
-
-    def acceleration(self, time: FloatArray) -> FloatArray:
-        """α̈ [rad/s²] at `time` [s], same shape."""
-        return self.base.acceleration(self._then(time))
 
 
 @dataclass(frozen=True)
@@ -87,7 +62,7 @@ class Record:
             return self.table
         motion = motion_with(self.drive, self.time, effects)
         if delay != 0.0:
-            motion = Shifted(motion, delay, float(self.time[0]), float(self.time[-1]))
+            motion = DelayedMotion(motion, delay, float(self.time[0]), float(self.time[-1]))
         return self.grid.tabulate(motion)
 
     @cached_property

@@ -67,7 +67,7 @@ class Window:
     @cached_property
     def angle(self) -> FloatArray:
         """α at the grid, shape (k,) [rad]."""
-        return self.record.drive.angle(np.minimum(self.begin + self.grid, self.record.time[-1]))
+        return self.record.drive.evaluate(np.minimum(self.begin + self.grid, self.record.time[-1]))
 
     def at_stamps(self, columns: Sequence[FloatArray]) -> FloatArray:
         """Signals on the grid, each of shape (k,), at the stamps: shape (m, number of signals)."""

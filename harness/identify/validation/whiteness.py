@@ -60,8 +60,12 @@ def on_beam(
     """
     use = judged & (time - time[0] >= LAGS[-1])
     then = time[use, None] - LAGS
-    inputs = {"angle": motion.angle, "rate": motion.rate, "acceleration": motion.acceleration}
-    return {name: dependence(ratio[use], signal(then)) for name, signal in inputs.items()}
+    inputs = {
+        "angle": motion.evaluate(then),
+        "rate": motion.derivative(then),
+        "acceleration": motion.derivative(then, 2),
+    }
+    return {name: dependence(ratio[use], signal) for name, signal in inputs.items()}
 
 
 def dependence(ratio: FloatArray, inputs: FloatArray) -> Dependence:

@@ -71,7 +71,7 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
     for window in windows:
         (told,) = [one for one, record in zip(truth, problem.records, strict=True) if record is window.record]
         s, t = told.position[window.use], window.time
-        alpha, rate = window.record.drive.angle(t + window.begin), window.record.drive.rate(t + window.begin)
+        alpha, rate = window.record.drive.evaluate(t + window.begin), window.record.drive.derivative(t + window.begin)
         d = rig.rolling_ratio * (s * rate**2 + rig.gravity * (np.sin(alpha) - alpha))
         D = cumulative_simpson(cumulative_simpson(d, x=t, initial=0.0), x=t, initial=0.0)
         others, _ = np.linalg.qr(np.column_stack((np.ones_like(t), t, t**2)))
@@ -94,7 +94,7 @@ def test_the_black_box_finds_a_system_of_order_two(beam: Record, poles: tuple[fl
     """
     B = np.array([2e-3, -1e-3, 5e-4])
     F = OutputError(poles).denominator(STEP)
-    made = replace(beam, reading=lfilter(B, F, beam.drive.angle(beam.time)))
+    made = replace(beam, reading=lfilter(B, F, beam.drive.evaluate(beam.time)))
     windows = windows_of((made,))
     seen, ahead = windows[:3], windows[3:]
     found = fit_output_error(seen)

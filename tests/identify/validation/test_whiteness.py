@@ -17,7 +17,7 @@ RUNS = 200
 @pytest.fixture(scope="module")
 def inputs() -> FloatArray:
     """A beam angle before each stamp, at every lag."""
-    return Sines().angle(TIME[LAGS[-1] <= TIME, None] - LAGS)
+    return Sines().evaluate(TIME[LAGS[-1] <= TIME, None] - LAGS)
 
 
 def test_white_innovations_are_called_dependent_no_more_often_than_promised(inputs: FloatArray) -> None:
