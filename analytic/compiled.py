@@ -1,44 +1,55 @@
-"""Compiled code, kept so that a changed source is never run in an old compilation.
+"""numba's `njit` with a cache on disk that no change of the sources outlives.
 
-numba looks only at the file of the function it compiled: a function in another file that calls a changed one would go
-on with the old. So the cache is one per state of all compiled sources. It is chosen when this module is imported, which
-is why every compiled function takes `njit` from here.
+numba's own checks only the file of the compiled function: where a function that it calls or a constant that it reads
+changes in another file, the old machine code would go on running. Here a digest of all sources of compiled code is part
+of the names of the cache's files. The rest is left to numba: `NUMBA_CACHE_DIR` or `__pycache__` or the user's cache
+folder, and one entry for each CPU, signature, version of Python and of numba.
 """
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numba
-from numba import njit
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 
-__all__ = ["keep_compiled_code_fresh", "njit"]
+__all__ = ["njit"]
 
-_PACKAGES = ("analytic", "harness")
-
-
-def keep_compiled_code_fresh() -> None:
-    """Give numba a cache folder that is named after the sources; a folder that the user set stays."""
-    config: Any = numba.config
-    if config.CACHE_DIR:
-        return
-    root = Path(__file__).parent
-    state = hashlib.sha256()
-    for package in _PACKAGES:
-        for file in sorted((root.parent / package).rglob("*.py")):
-            text = file.read_bytes()
-            if b"njit" in text:
-                state.update(text)
-    name = f"numba-{state.hexdigest()[:16]}"
-    for folder in (root / "__pycache__", Path.home() / ".cache" / "ball-beam-harness"):
-        try:
-            (folder / name).mkdir(parents=True, exist_ok=True)
-        except OSError:  # installed where the user may not write
-            continue
-        config.CACHE_DIR = str(folder / name)
-        return
+Function = TypeVar("Function", bound=Callable[..., Any])
+_ROOT = Path(__file__).parent.parent
 
 
-keep_compiled_code_fresh()
+def njit(*, cache: bool, **options: Any) -> Callable[[Function], Function]:
+    """`numba.njit`; with `cache`, machine code is kept on disk until a source of compiled code changes."""
+
+    def compiled(function: Function) -> Function:
+        dispatcher = numba.njit(**options)(function)
+        if cache:  # as numba's `enable_caching`, which knows no other cache than its own
+            dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]
+        return dispatcher
+
+    return compiled
+
+
+def sources() -> list[Path]:
+    """Files that compiled code comes from: those with compiled functions, and those with the constants they read."""
+    files = sorted(file for package in ("analytic", "harness") for file in (_ROOT / package).rglob("*.py"))
+    return [file for file in files if file.parent == _ROOT / "analytic" or b"njit" in file.read_bytes()]
+
+
+@cache
+def _digest() -> str:
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sources())).hexdigest()[:16]
+
+
+class _CacheFiles(CompileResultCacheImpl):
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"{super().get_filename_base(fullname, abiflags)}-{_digest()}"  # type: ignore[no-untyped-call]
+
+
+class _Cache(FunctionCache):
+    _impl_class = _CacheFiles

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
@@ -137,7 +138,7 @@ def _slope(measured: FloatArray, model: FloatArray) -> float:
 
 
 @njit(cache=True)
-def _shifted_correlations(measured, model, shifts):  # type: ignore[no-untyped-def]
+def _shifted_correlations(measured: FloatArray, model: FloatArray, shifts: NDArray[np.int64]) -> FloatArray:
     """Pearson's correlation of measured[i] with model[i + shift]; NaN where one of the two does not vary."""
     n = measured.size
     rounding = (4.0 * np.finfo(np.float64).eps) ** 2
@@ -160,7 +161,7 @@ def _shifted_correlations(measured, model, shifts):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
-def _warped_difference(x, y, width):  # type: ignore[no-untyped-def]
+def _warped_difference(x: FloatArray, y: FloatArray, width: int) -> tuple[float, float]:
     """(Σ|x_i − y_j|, Σ|y_j|) along the warp of least Σ(x_i − y_j)² from (0, 0) to (n−1, n−1) with |i − j| <= width.
 
     Only two rows of costs are kept, and one byte a cell for the way back: 0 from (i−1, j), 1 from (i, j−1), 2 from

@@ -20,7 +20,7 @@ from harness.simulator.linkage import Linkage
 from harness.simulator.stepping import COLUMNS, advance, describe
 
 
-@numba.cfunc(FORCE_SIGNATURE, cache=True)
+@numba.cfunc(FORCE_SIGNATURE, cache=True)  # numba's own cache will do: no other source is compiled in
 def no_force(position: float, velocity: float, angle: float, rolled_angle: float, time: float) -> float:
     """A plant without extra force [N]."""
     return 0.0

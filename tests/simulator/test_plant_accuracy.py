@@ -169,7 +169,7 @@ def test_plant_shares_no_model_with_the_ones_under_test() -> None:
                 modules.update(name.name for name in node.names)
     for name, modules in imported.items():
         ours = {module for module in modules if module.split(".")[0] in ("analytic", "harness", "mjcf", "urdf")}
-        # analytic.compiled holds no equation: it is numba's decorator and the name of its cache
+        # analytic.compiled holds no equation: it is numba's decorator with a cache
         allowed = {"analytic.compiled", "analytic.motion", "analytic.rig", "harness.errors"}
         if name == "engine_ball":
             allowed.add("harness.engines.catalogue")
