@@ -112,6 +112,18 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
 
 
 @njit(cache=True)
+def accelerations(s: FloatArray, v: FloatArray, beam: FloatArray, p: FloatArray) -> FloatArray:
+    """`acceleration` [m/s²] at positions `s` [m] and velocities `v` [m/s], shape (n,); the same shape.
+
+    `beam` has the columns α [rad], α̇ [rad/s], α̈ [rad/s²], shape (n, 3).
+    """
+    result = np.empty(len(s))
+    for i in range(len(s)):
+        result[i] = acceleration(s[i], v[i], beam[i, 0], beam[i, 1], beam[i, 2], p)
+    return result
+
+
+@njit(cache=True)
 def curve(at: float, p: FloatArray) -> float:
     """A curve through the nodes of the vector: cubic between them, slopes after Catmull and Rom, constant beyond.
 

@@ -13,6 +13,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.geometry import to_world
+from analytic.law import acceleration
+from analytic.models import CAM, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
 from harness.errors import InputError
@@ -95,18 +97,17 @@ def start_of(rig: Rig, motion: BeamMotion, grid: Grid, start: State, force: Ball
     angle, rate, turn = beam_states(motion, first)[0].tolist()
     s, v, r = start.position, start.velocity, rig.rolling_radius
     extra = force(s, v, angle, float(first[0])) / rig.mass if force else 0.0
-    push = rig.gravity * math.sin(angle + rig.level_angle) + s * rate**2 - rig.lever * turn + extra
-    acceleration = rig.rolling_ratio * push
+    along_beam = acceleration(s, v, angle, rate, turn, coefficients(CAM, rig)) + rig.rolling_ratio * extra
     height = rig.eccentricity + r
     now = to_world(s, 0.0, height, angle)
-    before = to_world(s - v * dt + 0.5 * acceleration * dt**2, 0.0, height, angle - rate * dt + 0.5 * turn * dt**2)
-    along = v - 0.5 * dt * acceleration
+    before = to_world(s - v * dt + 0.5 * along_beam * dt**2, 0.0, height, angle - rate * dt + 0.5 * turn * dt**2)
+    along = v - 0.5 * dt * along_beam
     return Start(
         centre=now,
         velocity=((now[0] - before[0]) / dt, 0.0, (now[2] - before[2]) / dt),
         spin=along / r + rate - 0.5 * dt * turn,
         velocity_along=along,
-        acceleration_along=acceleration,
+        acceleration_along=along_beam,
     )
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.kernel import Grid
-from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL, coefficients
+from analytic.law import accelerations
+from analytic.models import CAM, coefficients
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.signals.outliers import smooth_spiky
@@ -109,9 +110,8 @@ def _guided_run(time: FloatArray, path: FloatArray, motion: BeamMotion, rig: Rig
     nothing has caused. What the start lacks is a straight line, which appears in the remainder.
     """
     grid = Grid.over(time)
-    angle, rate, angular = grid.tabulate(motion).T
-    p = coefficients(CAM, rig)
     ball = np.interp(nodes(grid), time, path)
-    pull = p[GRAVITY] * np.sin(angle + p[LEVEL]) + p[CENTRIFUGAL] * ball * rate**2 - p[ECCENTRIC] * angular
-    position, velocity = integrate_twice(grid, pull)
+    # CAM's acceleration does not depend on the velocity.
+    prescribed = accelerations(ball, np.zeros_like(ball), grid.tabulate(motion), coefficients(CAM, rig))
+    position, velocity = integrate_twice(grid, prescribed)
     return path[0] + position, velocity
