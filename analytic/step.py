@@ -6,6 +6,8 @@ step's mean acceleration, after Moreau ("Unilateral contact and dry friction in 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from analytic.compiled import njit
@@ -22,6 +24,16 @@ from analytic.models import (
     TURN,
 )
 from analytic.motion import FloatArray
+
+
+class _Step(NamedTuple):
+    """A step of `h` [s] with the smooth forces only, from s [m], ṡ [m/s] to `s_end`, `v_end`."""
+
+    s: float
+    v: float
+    h: float
+    s_end: float
+    v_end: float
 
 
 @njit(cache=True)
@@ -62,43 +74,33 @@ def advance(
             w, v_end, 0.5 * h, dahl_limit(s_end, v_end, beam[end, 0], beam[end, 1], beam[end, 2], p), p[DAHL_STIFFNESS]
         )
     dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0 or p[SHAPE] >= DRY_OF_POSITION
-    angle, rate, angular = beam[middle, 0], beam[middle, 1], beam[middle, 2]
-    added = beam[middle, 3] if p[SHAPE] == DRY_OF_TIME else 0.0
+    if not dry and p[TRACTION] == 0.0:
+        return s_end, v_end, w
+    smooth = _Step(s, v, h, s_end, v_end)
     if p[TRACTION] != 0.0:
-        return _slip(s, v, w, h, s_end, v_end, angle, rate, angular, added, p, dry)
-    if dry:
-        s_end, v_end = _resist(s, v, h, s_end, v_end, angle, rate, angular, added, p)
+        return _slip(smooth, w, beam, middle, p, dry)
+    s_end, v_end = _resist(smooth, beam, middle, p)
     return s_end, v_end, w
 
 
 @njit(cache=True)
-def _resist(
-    s: float,
-    v: float,
-    h: float,
-    s_end: float,
-    v_end: float,
-    angle: float,
-    rate: float,
-    angular: float,
-    added: float,
-    p: FloatArray,
-) -> tuple[float, float]:
-    """(s, ṡ) after a step that would end at (s_end, v_end) without the dry friction; the beam as in its middle."""
+def _resist(smooth: _Step, beam: FloatArray, row: int, p: FloatArray) -> tuple[float, float]:
+    """(s, ṡ) after a step with dry friction, given the step without it; the beam is that of mid-step."""
+    s, v, h, s_end, v_end = smooth
     drive = (v_end - v) / h
     rest = h
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
-        limit = _limit(s, v, sign, angle, rate, angular, added, p)
+        limit = _limit(s, v, sign, beam, row, p)
         if p[DRY_STATIC] != 0.0:  # it depends on the velocity: take that of mid-step
-            limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, angle, rate, angular, added, p)
+            limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, beam, row, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
         stop = v / (sign * limit - drive)  # the ball comes to rest within the step
         s, rest = s + 0.5 * v * stop, h - stop
     sign = 1.0 if drive > 0.0 else -1.0
-    limit = _limit(s, 0.0, sign, angle, rate, angular, added, p)
+    limit = _limit(s, 0.0, sign, beam, row, p)
     if abs(drive) <= limit:
         return s, 0.0
     if v == 0.0:
@@ -108,47 +110,34 @@ def _resist(
 
 
 @njit(cache=True)
-def _limit(
-    s: float, v: float, towards: float, angle: float, rate: float, angular: float, added: float, p: FloatArray
-) -> float:
-    """What dry friction holds [m/s²], with a coefficient `added` [1] to what the vector says."""
+def _limit(s: float, v: float, towards: float, beam: FloatArray, row: int, p: FloatArray) -> float:
+    """Largest deceleration that dry friction can hold up against motion `towards` + or − [m/s²]."""
+    angle, rate, angular = beam[row, 0], beam[row, 1], beam[row, 2]
     limit = dry_limit(s, v, towards, angle, rate, angular, p)
-    if added != 0.0:
-        limit = max(limit + p[RESPONSE] * added * normal_force(s, v, angle, rate, angular, p), 0.0)
+    if p[SHAPE] == DRY_OF_TIME:
+        limit = max(limit + p[RESPONSE] * beam[row, 3] * normal_force(s, v, angle, rate, angular, p), 0.0)
     return limit
 
 
 @njit(cache=True)
-def _slip(
-    s: float,
-    v: float,
-    w: float,
-    h: float,
-    s_end: float,
-    v_end: float,
-    angle: float,
-    rate: float,
-    angular: float,
-    added: float,
-    p: FloatArray,
-    dry: bool,
-) -> tuple[float, float, float]:
-    """(s, ṡ, w) after a step that would end at (s_end, v_end) if the ball rolled freely; w is its slip velocity.
+def _slip(smooth: _Step, w: float, beam: FloatArray, row: int, p: FloatArray, dry: bool) -> tuple[float, float, float]:
+    """(s, ṡ, w) after a step of a ball that can slip, given the step of free rolling; w is its slip velocity [m/s].
 
-    The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it takes away the slip if it can. A resistance against
-    rolling is a moment c r N on the turning ball, ± by its sense. With ι = J/(m r²),
+    The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it stops the slip if it can. A resistance against rolling
+    is a moment c r N on the turning ball, ± by its sense. With ι = J/(m r²),
 
         s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) ± c N/(m ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
     """
+    s, v, h, s_end, v_end = smooth
     iota = 1.0 / p[RESPONSE] - 1.0
-    turn = p[TURN] * angular
+    turn = p[TURN] * beam[row, 2]
     free = (1.0 + iota) * (v_end - v) / h + iota * turn
-    grip = p[TRACTION] * normal_force(s, v, angle, rate, angular, p)
+    grip = p[TRACTION] * normal_force(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
     resisted = 0.0
     if dry:
-        s_end, v_end = _resist(s, v, h, s_end, v_end, angle, rate, angular, added, p)
+        s_end, v_end = _resist(smooth, beam, row, p)
         sense = 1.0 if v > w else -1.0
-        resisted = sense * _limit(s, v, sense, angle, rate, angular, added, p) / (p[RESPONSE] * iota) if v != w else 0.0
+        resisted = sense * _limit(s, v, sense, beam, row, p) / (p[RESPONSE] * iota) if v != w else 0.0
     if w == 0.0 and abs((v_end - v) / h - free) <= grip:
         return s_end, v_end, 0.0
     needed = -(free + turn + resisted + w / h) / (1.0 + 1.0 / iota)
@@ -156,7 +145,7 @@ def _slip(
     new = v + h * (free + traction)
     w += h * (free + turn + resisted + traction * (1.0 + 1.0 / iota))
     if abs(needed) <= grip:
-        w = 0.0  # to the bit: it rolls again
+        w = 0.0  # exactly: it rolls again
     return s + 0.5 * h * (v + new), new, w
 
 
