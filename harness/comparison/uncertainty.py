@@ -31,7 +31,7 @@ def displacements(setting: Setting) -> list[FloatArray]:
         starts = np.repeat(setting.starts(horizon)[None], draws + 1, axis=0)
         if horizon.seconds is not None or choices.start is None:  # a start that was given is taken for exact
             for i, first in enumerate(horizon.first):
-                root = _root(ball.spread(int(first)))
+                root = _root(ball.state_covariance(int(first)))
                 starts[1:, i] += generator.standard_normal((draws, 2)) @ root.T
             # The state was smoothed relative to CAM, whose velocity holds −K ℓ α̇: a beam that turned faster than it was
             # read leaves the ball that much slower, and the run cancels it again.

@@ -1,9 +1,8 @@
-"""The ball's state from the measurement: position, velocity and the acceleration that no model explains.
+"""The ball's state from the measurement: position, velocity and residual acceleration.
 
-The measurement is smoothed *relative to a run of CAM*: what remains is a smooth signal whose second derivative is
-the residual acceleration. So the velocity profits from the recorded angle without trusting the model: whatever the
-model lacks is free to appear in the remainder. Spikes are recognised as such, also where all go one way
-(`harness.signals.outliers`).
+The measurement is smoothed *relative to a run of CAM*: their difference is a smooth signal whose second derivative is
+the residual acceleration. So the velocity profits from the recorded angle without trusting the model: what the model
+lacks appears in the difference. Spikes are recognised, also where all are on one side (`harness.signals.outliers`).
 """
 
 from __future__ import annotations
@@ -21,15 +20,15 @@ from analytic.rig import Rig
 from harness.signals.outliers import smooth_spiky
 from harness.signals.prescribed import integrate_twice, nodes
 
-# Not even a right model leaves less [m²/s⁵]: the angle of an encoder of 40,000 counts is known to about 3e-5 rad, which
-# K g turns into a = 2e-4 m/s², and which wanders within τ = 0.5 s: a²/τ. Below that a record without residual would be
-# given error bars that the drive's own error exceeds.
+# A correct model leaves no less [m²/s⁵]: the angle of an encoder of 40,000 counts is known to about 3e-5 rad, an
+# acceleration of a = K g 3e-5 = 2e-4 m/s², correlated over τ = 0.5 s: a²/τ. With less, the error bars of a recording
+# without residual would be smaller than the drive's own error.
 _LEAST_DENSITY = 1e-7
 
 
 @dataclass(frozen=True)
 class BallEstimate:
-    """What the measurement says of the ball.
+    """The ball's state estimated from the measurement.
 
     Attributes:
         time: stamps, shape (n,) [s].
@@ -37,7 +36,7 @@ class BallEstimate:
         residual: acceleration beyond CAM's, shape (n,) [m/s²].
         covariance: of s, ṡ and the residual, shape (n, 3, 3).
         noise: standard deviation of a position reading that is no spike, before rounding [m].
-        noise_estimated: whether that stems from the record alone, because none was declared.
+        noise_estimated: whether that is estimated from the record alone, because none was declared.
         trusted: readings that were taken and are no spikes, shape (n,) bool.
     """
 
@@ -54,7 +53,7 @@ class BallEstimate:
         """The ball at stamp `index`."""
         return State(float(self.position[index]), float(self.velocity[index]))
 
-    def spread(self, index: int) -> FloatArray:
+    def state_covariance(self, index: int) -> FloatArray:
         """Covariance of (s, ṡ) at stamp `index`, shape (2, 2) [m², m²/s, m²/s²]."""
         return self.covariance[index, :2, :2]
 
@@ -74,8 +73,8 @@ def estimate_ball(
         time: stamps, shape (n,), strictly increasing [s].
         position: readings, shape (n,), NaN where not known [m]; at least three are needed.
         motion: the beam.
-        rig: what CAM is run with; where the rig is unknown a rough one does.
-        noise: standard deviation of a reading, as declared [m]; a long record may correct it. `None` if unknown.
+        rig: what CAM is run with; a rough one will do where the rig is unknown.
+        noise: declared standard deviation of a reading [m], which a long record may correct; `None` if unknown.
         resolution: distance of two readings [m]; `None` for a continuous reading.
 
     Raises:
@@ -89,7 +88,7 @@ def estimate_ball(
     declared = None if noise is None else math.hypot(noise, rounding)
     found = smooth_spiky(time, position - reference, least=rounding, declared=declared, least_density=_LEAST_DENSITY)
     remainder = found.smoothed.mean
-    spikes = found.noise.stands_apart
+    spikes = found.noise.has_spikes
     variance = found.noise.core if spikes else found.noise.total
     return BallEstimate(
         time=time,
@@ -106,8 +105,8 @@ def estimate_ball(
 def _guided_run(time: FloatArray, path: FloatArray, motion: BeamMotion, rig: Rig) -> tuple[FloatArray, FloatArray]:
     """CAM's s [m] and ṡ [m/s] from rest at `path[0]`, its s α̇² taken at the measured `path`; all of shape (n,).
 
-    A free run ends far from the ball where the model lacks something, and its own s α̇² would then be a residual that
-    nothing has caused. What the start lacks is a straight line, which appears in the remainder.
+    A free run ends far from the ball where the model lacks something, and its own s α̇² would then appear as a residual.
+    An error of the start is a straight line, which appears in the difference.
     """
     grid = Grid.over(time)
     ball = np.interp(nodes(grid), time, path)

@@ -1,7 +1,7 @@
-"""How stiff the prior is, and when: the density of the white third derivative, learnt along the record.
+"""The stiffness of the prior over time: the density of the white third derivative, estimated along the record.
 
-A servo alternates rests and quick moves. One density for a whole record is a compromise that lets a resting beam
-tremble and rounds the corners of a move. Here the log density is a random walk over knots, and its most probable path
+A servo alternates rests and quick moves. One density for a whole record is a compromise that passes noise of a resting
+beam and rounds the corners of a move. Here the log density is a random walk over knots, and its most probable path
 is found by Fisher scoring: gradient and information of each knot are sums of what the smoother returns per step
 (`kalman_smoother`), the walk couples neighbours, and one tridiagonal solve makes a step.
 """
@@ -17,22 +17,22 @@ from analytic.compiled import njit
 from analytic.motion import FloatArray
 from harness.signals.spline_smoother import LOG_DENSITIES
 
-# A servo starts and stops within a tenth of a second; shorter spells cost time and say no more.
-SPELL = 0.05
+# A servo starts and stops within a tenth of a second; closer knots cost time and resolve no more.
+KNOT_SPACING = 0.05  # [s]
 # The walk's standard deviation after 1 s, in log density: from rest to motion and back is about e¹⁵ (docs/drive.md).
-RESTLESSNESS = 12.0
+WALK_STD = 12.0
 _START = 1.0
 _LONGEST_STRIDE = 1.0  # of the log density per scoring step: the quadratic model holds for about that
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """The path of the log density.
+    """The log density over time.
 
     Attributes:
         knot: index of the knot whose density a step has, shape (n − 1,).
-        log_density: at the knots, shape (m,) [log unit²/s⁵]; changed in place by `rescore`.
-        coupling: of neighbouring knots, the walk's inverse variance, shape (m − 1,).
+        log_density: at the knots, shape (m,) [log unit²/s⁵]; changed in place by `scoring_step`.
+        coupling: inverse variance of the walk between neighbouring knots, shape (m − 1,).
     """
 
     knot: NDArray[np.int64]
@@ -42,10 +42,10 @@ class Stiffness:
     @classmethod
     def over(cls, time: FloatArray) -> Stiffness:
         """Knots for the stamps `time`, shape (n,) [s], all at the same density."""
-        begin = np.floor((time[:-1] - time[0]) / SPELL + 1e-9)
-        spells, knot = np.unique(begin, return_inverse=True)
-        coupling = 1.0 / (RESTLESSNESS**2 * SPELL * np.diff(spells))
-        return cls(knot.astype(np.int64), np.full(len(spells), _START), coupling)
+        begin = np.floor((time[:-1] - time[0]) / KNOT_SPACING + 1e-9)
+        cells, knot = np.unique(begin, return_inverse=True)
+        coupling = 1.0 / (WALK_STD**2 * KNOT_SPACING * np.diff(cells))
+        return cls(knot.astype(np.int64), np.full(len(cells), _START), coupling)
 
     @classmethod
     def constant(cls, time: FloatArray) -> Stiffness:
@@ -54,25 +54,24 @@ class Stiffness:
 
 
 @njit(cache=True)
-def rescore(
+def scoring_step(
     knot: NDArray[np.int64],
     coupling: FloatArray,
-    surprise: FloatArray,
-    freedom: FloatArray,
+    energy: FloatArray,
+    dof: FloatArray,
     log_density: FloatArray,
     lowest: float = LOG_DENSITIES[0],
 ) -> float:
-    """One Fisher scoring step of `log_density`, in place; return its largest stride.
+    """One step of Fisher scoring on `log_density`, in place; return its largest change.
 
-    With θ the log density, ∂ log evidence / ∂θ = ½ Σ (surprise − freedom) over the knot's steps; the information is
-    ½ Σ freedom, what the gradient's second derivative amounts to where surprise equals freedom. No knot goes below
-    `lowest`.
+    With θ the log density, ∂ log evidence / ∂θ = ½ Σ (energy − dof) over the knot's steps (`kalman_smoother`); the
+    Fisher information is ½ Σ dof, minus the second derivative where energy equals dof. No knot goes below `lowest`.
     """
     m = len(log_density)
     diagonal, stride, ratio = np.full(m, 1e-3), np.zeros(m), np.zeros(m)
     for k in range(len(knot)):
-        stride[knot[k]] += 0.5 * (surprise[k] - freedom[k])
-        diagonal[knot[k]] += 0.5 * max(freedom[k], 0.0)
+        stride[knot[k]] += 0.5 * (energy[k] - dof[k])
+        diagonal[knot[k]] += 0.5 * max(dof[k], 0.0)
     for j in range(m - 1):
         pull = coupling[j] * (log_density[j + 1] - log_density[j])
         stride[j] += pull

@@ -2,7 +2,7 @@
 
 The posterior mean of this prior is the quintic spline that minimises roughness ∫ x‴² dt against the squared residuals
 (Wahba, "Improper priors, spline smoothing …", JRSS B 40, 1978), and a Kalman smoother computes it with its covariance
-and evidence in O(n) on any stamps (Kohn and Ansley, SIAM J. Sci. Stat. Comput. 8, 1987). The density of the white
+and evidence in O(n) at any stamps (Kohn and Ansley, SIAM J. Sci. Stat. Comput. 8, 1987). The density of the white
 noise may differ from step to step (`harness.signals.roughness`).
 """
 
@@ -19,7 +19,7 @@ from analytic.motion import FloatArray
 
 # Prior variances of value, first and second derivative at the first stamp: wide for angles in rad and positions in m.
 _DIFFUSE = np.array([1e2, 1e3, 1e4])
-# Log densities of the third derivative [unit²/s⁵]: from a signal at rest to one that a servo cannot follow.
+# Bounds of the log density of the third derivative [unit²/s⁵]: from a signal at rest to one no servo can follow.
 LOG_DENSITIES = (-22.0, 20.0)
 
 
@@ -67,7 +67,7 @@ def _advance(m: FloatArray, P: FloatArray, dt: float, density: float) -> None:
 def _inverse(P: FloatArray, out: FloatArray, L: FloatArray, M: FloatArray) -> None:
     """P⁻¹ of a symmetric positive definite 3 × 3 matrix whose entries span many decades, by a scaled Cholesky.
 
-    L and M, 3 × 3, are room to work in: they receive the factor and its inverse.
+    L and M, 3 × 3, are workspace: they receive the factor and its inverse.
     """
     for i in range(3):
         for j in range(i + 1):
@@ -141,14 +141,14 @@ def kalman_smoother(
     density: FloatArray,
     mean: FloatArray,
     covariance: FloatArray,
-    surprise: FloatArray,
-    freedom: FloatArray,
+    energy: FloatArray,
+    dof: FloatArray,
 ) -> float:
     """Smooth; return the log evidence. An infinite variance is no measurement.
 
-    With w = x₊ − F x the kick that the white noise gives in a step, of prior covariance Q, the data make
-    E[wᵀ Q⁻¹ w] − 3 = surprise − freedom, and half of that is the derivative of the log evidence by the log of the
-    step's density (Fisher's identity). Freedom, between 0 and 3, is how many kicks the data determine in that step.
+    Let w = x₊ − F x be the disturbance by the white noise in a step, with prior covariance Q. Given the data,
+    E[wᵀ Q⁻¹ w] − 3 = energy − dof, and half of it is the derivative of the log evidence by the log of the step's
+    density (Fisher's identity). The effective degrees of freedom, 0 … 3, say how much of w the data determine.
 
     Rauch, Tung and Striebel's gain G = P Fᵀ P₊⁻¹ is written F⁻¹ (I − Q P₊⁻¹) = F⁻¹ (I − W), and the covariance as a
     sum of squares, F⁻¹ [W (P₊ − Q) Wᵀ + (I − W)(P′ + Q)(I − W)ᵀ] F⁻ᵀ, which stays positive from a diffuse start.
@@ -156,13 +156,13 @@ def kalman_smoother(
     Args:
         time, value, variance: stamps [s], measured values, their variances, shape (n,).
         density: of the white third derivative in each step, shape (n − 1,).
-        mean, covariance: are filled, shape (n, 3) and (n, 3, 3).
-        surprise, freedom: are filled, shape (n − 1,) [1].
+        mean, covariance: outputs, shape (n, 3) and (n, 3, 3).
+        energy, dof: outputs, ŵᵀ Q⁻¹ ŵ and the effective degrees of freedom of each step, shape (n − 1,) [1].
     """
     evidence = _filter(time, value, variance, density, mean, covariance)
     Q, P, inverse = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     W, V, A, B, T = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    ahead, apart, force, kick, nothing = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    ahead, apart, force, disturbance, nothing = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
     for k in range(len(time) - 2, -1, -1):
         dt = time[k + 1] - time[k]
         Q[:] = 0.0
@@ -177,14 +177,14 @@ def kalman_smoother(
             for j in range(3):
                 V[i, j] = (1.0 if i == j else 0.0) - W[i, j]
         for i in range(3):
-            kick[i] = W[i, 0] * apart[0] + W[i, 1] * apart[1] + W[i, 2] * apart[2]
+            disturbance[i] = W[i, 0] * apart[0] + W[i, 1] * apart[1] + W[i, 2] * apart[2]
             force[i] = inverse[i, 0] * apart[0] + inverse[i, 1] * apart[1] + inverse[i, 2] * apart[2]
-        surprise[k] = kick[0] * force[0] + kick[1] * force[1] + kick[2] * force[2]
+        energy[k] = disturbance[0] * force[0] + disturbance[1] * force[1] + disturbance[2] * force[2]
         _multiply(inverse, W, A)
-        freedom[k] = W[0, 0] + W[1, 1] + W[2, 2]
+        dof[k] = W[0, 0] + W[1, 1] + W[2, 2]
         for i in range(3):
             for j in range(3):
-                freedom[k] -= A[i, j] * covariance[k + 1, j, i]
+                dof[k] -= A[i, j] * covariance[k + 1, j, i]
                 P[i, j] -= Q[i, j]
                 Q[i, j] += covariance[k + 1, i, j]
         _multiply(W, P, A)
@@ -196,7 +196,7 @@ def kalman_smoother(
                     T[i, j] += A[i, a] * W[j, a] + B[i, a] * V[j, a]
         # F⁻¹ is F with −dt in place of dt.
         for i in range(3):
-            apart[i] -= kick[i]
+            apart[i] -= disturbance[i]
         _advance(apart, T, -dt, 0.0)
         for i in range(3):
             mean[k, i] += apart[i]
@@ -214,19 +214,19 @@ def smooth(
 
     Args:
         time: stamps, shape (n,), strictly increasing [s].
-        value: measured values, shape (n,); where the variance is infinite they do not matter.
+        value: measured values, shape (n,); ignored where the variance is infinite.
         variance: of the measurement noise, shape (n,) or one for all [unit²].
-        density: of the white third derivative, shape (n − 1,) or one for all [unit²/s⁵]; by default the one for all of
+        density: of the white third derivative, shape (n − 1,) or one for all [unit²/s⁵]; by default the constant of
             greatest evidence.
     """
     time, value = np.asarray(time, float), np.asarray(value, float)
     n = len(time)
     variance = np.broadcast_to(np.asarray(variance, float), n).copy()
     value = np.where(np.isfinite(variance), value, 0.0)
-    mean, covariance, room = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((2, n - 1))
+    mean, covariance, workspace = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((2, n - 1))
 
     def run(density: FloatArray) -> float:
-        return float(kalman_smoother(time, value, variance, density, mean, covariance, room[0], room[1]))
+        return float(kalman_smoother(time, value, variance, density, mean, covariance, workspace[0], workspace[1]))
 
     if density is None:
         density = math.exp(
@@ -245,14 +245,14 @@ def smooth(
 def draw(smoothed: Smoothed, variance: FloatArray, count: int, generator: np.random.Generator) -> FloatArray:
     """Draw signals from the posterior, shape (count, n, 3), by Matheron's rule.
 
-    A path of the prior and its measurement are simulated; what smoothing leaves of their difference is distributed as
+    A path of the prior and its measurement are simulated; the error of smoothing that measurement is distributed as
     the posterior's error (Doucet, "A note on efficient conditional simulation …", 2010).
 
     Args:
         smoothed: the posterior.
         variance: of the measurement noise the posterior was made with, shape (n,) [unit²].
         count: how many signals.
-        generator: source of chance.
+        generator: of random numbers.
     """
     time, n = smoothed.time, len(smoothed.time)
     steps = np.diff(time)
@@ -261,12 +261,12 @@ def draw(smoothed: Smoothed, variance: FloatArray, count: int, generator: np.ran
     deviation = np.sqrt(np.where(np.isfinite(variance), variance, 0.0))
     paths = np.empty((count, n, 3))
     for path in paths:
-        path[0] = 0.0  # the prior is diffuse there: any start does
-        kicks = scale * (generator.standard_normal((n - 1, 3)) @ root.T)
-        # ẍ, ẋ, x in turn: each is the sum of its kicks and the drift from the one before
-        path[1:, 2] = np.cumsum(kicks[:, 2])
-        path[1:, 1] = np.cumsum(kicks[:, 1] + steps * path[:-1, 2])
-        path[1:, 0] = np.cumsum(kicks[:, 0] + steps * path[:-1, 1] + 0.5 * steps**2 * path[:-1, 2])
+        path[0] = 0.0  # the prior is diffuse there, so that any start will do
+        disturbances = scale * (generator.standard_normal((n - 1, 3)) @ root.T)
+        # ẍ, ẋ, x in turn: each is the sum of its disturbances and of the integral of the one before
+        path[1:, 2] = np.cumsum(disturbances[:, 2])
+        path[1:, 1] = np.cumsum(disturbances[:, 1] + steps * path[:-1, 2])
+        path[1:, 0] = np.cumsum(disturbances[:, 0] + steps * path[:-1, 1] + 0.5 * steps**2 * path[:-1, 2])
         measured = path[:, 0] + deviation * generator.standard_normal(n)
         path[:] = smoothed.mean + path - smooth(time, measured, variance, smoothed.density).mean
     return paths

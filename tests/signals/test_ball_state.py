@@ -52,7 +52,7 @@ def test_state_covers_the_truth(declared):
         off = np.column_stack((ball.position - position, ball.velocity - velocity)) / deviation(ball)[:, :2]
         scores.append([rms(off[:, 0]), rms(off[:, 1])])
         error = np.array([ball.position[0] - position[0], ball.velocity[0] - velocity[0]])
-        starts.append(error @ np.linalg.solve(ball.spread(0), error))
+        starts.append(error @ np.linalg.solve(ball.state_covariance(0), error))
         assert ball.noise == pytest.approx(NOISE, rel=0.08)  # 1/√(2n) = 2 %, times 3.5 or so
         assert ball.noise_estimated == (declared is None)
         assert ball.trusted.mean() > 0.99

@@ -83,7 +83,7 @@ def test_noise_that_varies_over_the_range_is_no_spike(seed):
     generator = np.random.default_rng(seed)
     deviation = np.where(TRUTH < 0.3, 3e-4, 8e-4)
     found = smooth_spiky(TIME, TRUTH + deviation * generator.standard_normal(len(TIME)), declared=6e-4)
-    assert not found.noise.stands_apart
+    assert not found.noise.has_spikes
     # A thousand readings: their mean square is known to √(2/1000) = 4.5 %, its root to 2.3 %; four of these.
     assert math.sqrt(found.noise.total) == pytest.approx(rms(deviation), rel=0.1)
 
@@ -91,4 +91,4 @@ def test_noise_that_varies_over_the_range_is_no_spike(seed):
 def test_drop_outs_to_one_side_stand_apart():
     """Keep drop-outs apart from noise, so that readings which say nothing of the ball are not held against a model."""
     value, _ = readings(0, 0.1, -0.05, -0.03)
-    assert smooth_spiky(TIME, value).noise.stands_apart
+    assert smooth_spiky(TIME, value).noise.has_spikes

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import truncnorm
 
 from harness.signals import smooth_rounded
-from harness.signals.quantised import _boxed, _rest, rough_noise
+from harness.signals.quantised import _runs, _truncated_normal, rough_noise
 from tests.signals.known_angles import encoder, rms, servo_angle
 
 TIME = np.arange(0.0, 16.0, 0.01)
@@ -17,7 +17,7 @@ TIME = np.arange(0.0, 16.0, 0.01)
 def test_moments_in_the_box_are_those_of_the_truncated_normal(mean):
     """Match scipy's truncated normal in the middle, near the thresholds and deep in either tail."""
     low, high, width = -0.5, 0.5, 0.4
-    found = _boxed(mean, width, low, high)
+    found = _truncated_normal(mean, width, low, high)
     a, b = (low - mean) / width, (high - mean) / width
     expected = truncnorm.stats(a, b, loc=mean, scale=width, moments="mv")
     assert found[0] == pytest.approx(expected[0], abs=1e-6)
@@ -27,14 +27,14 @@ def test_moments_in_the_box_are_those_of_the_truncated_normal(mean):
 
 def test_value_beyond_reach_is_put_at_the_nearer_threshold():
     """Stay finite where a count is hundreds of deviations off: the value is taken for just inside the box."""
-    mean, variance = _boxed(100.0, 0.1, -0.5, 0.5)
+    mean, variance = _truncated_normal(100.0, 0.1, -0.5, 0.5)
     assert 0.49 < mean < 0.5
     assert 0.0 < variance < 1e-6
 
 
-def test_rests_are_found_with_their_length():
+def test_runs_are_found_with_their_length():
     """Tell how many equal counts in a row each belongs to and how long they last."""
-    many, long = _rest(np.arange(6.0), np.array([1.0, 1.0, 2.0, 2.0, 2.0, 1.0]), 0.5)
+    many, long = _runs(np.arange(6.0), np.array([1.0, 1.0, 2.0, 2.0, 2.0, 1.0]), 0.5)
     assert many.tolist() == [2, 2, 3, 3, 3, 1]
     assert long.tolist() == [1, 1, 2, 2, 2, 0]
 

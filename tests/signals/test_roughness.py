@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from harness.signals import smooth, smooth_rounded
-from harness.signals.roughness import RESTLESSNESS, SPELL, Stiffness, rescore
+from harness.signals.roughness import KNOT_SPACING, WALK_STD, Stiffness, scoring_step
 from harness.signals.spline_smoother import kalman_smoother
 from tests.signals.known_angles import encoder, servo_angle
 
@@ -17,7 +17,7 @@ def scored(time, value, variance, stiffness, passes=60):
     for _ in range(passes):
         density = np.exp(stiffness.log_density)[stiffness.knot]
         kalman_smoother(time, value, np.full(n, variance), density, *room)
-        stride = rescore(stiffness.knot, stiffness.coupling, room[2], room[3], stiffness.log_density)
+        stride = scoring_step(stiffness.knot, stiffness.coupling, room[2], room[3], stiffness.log_density)
         if stride < 1e-6:
             break
     return stiffness.log_density
@@ -38,16 +38,16 @@ def test_scoring_step_solves_the_coupled_knots():
     time = np.cumsum(generator.uniform(0.01, 0.2, 60))
     stiffness = Stiffness.over(time)
     m = len(stiffness.log_density)
-    surprise, freedom = generator.uniform(0.0, 1.0, 59), generator.uniform(0.5, 1.0, 59)
+    energy, dof = generator.uniform(0.0, 1.0, 59), generator.uniform(0.5, 1.0, 59)
     gradient, information = np.zeros(m), np.full(m, 1e-3)
-    np.add.at(gradient, stiffness.knot, 0.5 * (surprise - freedom))
-    np.add.at(information, stiffness.knot, 0.5 * freedom)
+    np.add.at(gradient, stiffness.knot, 0.5 * (energy - dof))
+    np.add.at(information, stiffness.knot, 0.5 * dof)
     walk = np.zeros((m, m))
     for j, c in enumerate(stiffness.coupling):
         walk[j : j + 2, j : j + 2] += c * np.array([[1.0, -1.0], [-1.0, 1.0]])
     before = stiffness.log_density + 0.1 * generator.standard_normal(m)
     after = before.copy()
-    rescore(stiffness.knot, stiffness.coupling, surprise, freedom, after)
+    scoring_step(stiffness.knot, stiffness.coupling, energy, dof, after)
     expected = np.linalg.solve(np.diag(information) + walk, gradient - walk @ before)
     assert np.allclose(after - before, np.clip(expected, -1.0, 1.0), atol=1e-12)
 
@@ -57,9 +57,9 @@ def test_knots_follow_time_and_not_the_number_of_readings():
     time = np.concatenate((np.arange(0.0, 1.0, 0.01), np.arange(3.0, 4.0, 0.001)))
     stiffness = Stiffness.over(time)
     assert len(stiffness.knot) == len(time) - 1
-    variance = 1.0 / (RESTLESSNESS**2 * stiffness.coupling)
-    assert np.allclose(variance[:5], SPELL)
-    assert np.isclose(variance.max(), 3.0 - stiffness.knot[98] * SPELL, atol=SPELL)
+    variance = 1.0 / (WALK_STD**2 * stiffness.coupling)
+    assert np.allclose(variance[:5], KNOT_SPACING)
+    assert np.isclose(variance.max(), 3.0 - stiffness.knot[98] * KNOT_SPACING, atol=KNOT_SPACING)
 
 
 def test_a_rest_is_stiffer_than_a_move():

@@ -73,15 +73,15 @@ def test_smoother_is_the_gaussian_posterior():
     assert abs(found.log_evidence - evidence) < 1e-6
 
 
-def test_surprise_beyond_freedom_is_the_slope_of_the_evidence():
-    """Satisfy Fisher's identity: d log evidence / d log density = ½ (surprise − freedom), step by step."""
+def test_energy_beyond_degrees_of_freedom_is_the_slope_of_the_evidence():
+    """Satisfy Fisher's identity: d log evidence / d log density = ½ (energy − dof), step by step."""
     time, value, variance, density = record()
     value = np.where(np.isfinite(variance), value, 0.0)
     n = len(time)
     room = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n - 1), np.empty(n - 1)
     kalman_smoother(time, value, variance, density, *room)
     slope = 0.5 * (room[2] - room[3])
-    freedom = room[3].copy()
+    dof = room[3].copy()
     step = 1e-2
     for k in range(n - 1):
         up, down = density.copy(), density.copy()
@@ -89,7 +89,7 @@ def test_surprise_beyond_freedom_is_the_slope_of_the_evidence():
         rise = kalman_smoother(time, value, variance, up, *room) - kalman_smoother(time, value, variance, down, *room)
         # Central differences err by step²/6 of a third derivative of order 1; the evidence's rounding adds 1e-8/step.
         assert abs(rise / (2 * step) - slope[k]) < 3e-5
-    assert np.all((freedom > -1e-9) & (freedom < 3.0))
+    assert np.all((dof > -1e-9) & (dof < 3.0))
 
 
 def test_draws_have_the_posterior_mean_and_covariance():

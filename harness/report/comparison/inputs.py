@@ -122,5 +122,5 @@ def _start_how(subject: Subject) -> str:
     if setting.choices.start is not None:
         return "as given"
     first = int(subject.whole.first[0])
-    std = [math.sqrt(max(float(value), 0.0)) for value in setting.ball.spread(first).diagonal()]
+    std = [math.sqrt(max(float(value), 0.0)) for value in setting.ball.state_covariance(first).diagonal()]
     return f"estimated: ± {length(std[0], 2)} and ± {number(1e3 * std[1], 2)} mm/s"
