@@ -1,4 +1,4 @@
-"""The rig's geometry, the one source of both engines' scenes.
+"""The rig's geometry, from which all engines' scenes are made.
 
 World frame: origin on the pivot axis, x along the level beam towards +s, y across, z up. The beam turns about +y, so
 that α > 0 lowers the +s end. Beam frame: the same at α = 0; e_s = (cos α, 0, −sin α), e_n = (sin α, 0, cos α).
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 from analytic.rig import Rig
 
-# What a U-channel of this size looks like. No contact depends on these lengths [m].
+# Dimensions of the drawn U-channel [m]; no contact depends on them.
 WALL_THICKNESS = 0.002
 WALL_HEIGHT = 0.015
 FLOOR_THICKNESS = 0.002
 BEAM_FROM, BEAM_TO = -0.05, 0.65  # the drawn beam: the paper's ball travels between 0.1 and 0.6 m
-RAIL_REACH = 20.0  # what a driven run gets: a model that is wrong may roll far, and that is a result
+RAIL_REACH = 20.0  # length of the rails in simulations: a wrong model may roll far, which is a result, not a failure
 
 
 @dataclass(frozen=True)

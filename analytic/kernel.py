@@ -1,7 +1,7 @@
-"""One compiled kernel that integrates many runs at once: any models, start states, windows and beam motions.
+"""A compiled kernel that integrates many runs at once: any models, start states, windows and beam motions.
 
-Runs are integrated between the stamps of a recording in equal steps no longer than a given one, so that every run
-starts and ends exactly on stamps, however uneven these are.
+Between two stamps of a recording the steps are equal and no longer than a given one, so that every run starts and ends
+exactly at stamps, however uneven these are.
 """
 
 from __future__ import annotations
@@ -77,17 +77,17 @@ class Grid:
         return cls(time, steps, np.concatenate(([0], np.cumsum(count))))
 
     def tabulate(self, motion: BeamMotion) -> FloatArray:
-        """α, α̇, α̈ at the start, middle and end of every step, shape (2 m + 1, 3) [rad, rad/s, rad/s²]."""
+        """α [rad], α̇ [rad/s], α̈ [rad/s²] at the start, middle and end of every step, shape (2 m + 1, 3)."""
         edges = np.empty(2 * len(self.steps) + 1)
-        # Begin anew from each stamp, so that rounding does not add up over a long recording.
+        # Summed from each stamp anew, so that rounding does not accumulate over a long recording.
         begin = np.repeat(self.time[:-1], np.diff(self.marks))
         within = np.arange(len(self.steps)) - np.repeat(self.marks[:-1], np.diff(self.marks))
         edges[1::2] = begin + (within + 0.5) * self.steps
         edges[2::2] = begin + (within + 1.0) * self.steps
-        # The stamps themselves, not their rounded sums: a motion is never asked beyond the recording's last stamp.
+        # The stamps themselves, not rounded sums: a motion is not evaluated beyond the recording's last stamp.
         edges[2 * self.marks] = self.time
         table = beam_states(motion, edges)
-        # Simpson's rule over a step then gives exactly the change of α̇, also where α̇ jumps (a gap that closes).
+        # With this α̈ Simpson's rule gives the change of α̇ over a step exactly, also where α̇ jumps (backlash).
         change = np.diff(table[::2, 1]) / self.steps
         table[1::2, 2] = 0.25 * (6.0 * change - table[:-2:2, 2] - table[2::2, 2])
         return table
@@ -119,7 +119,7 @@ def integrate(
         tables: beam motions from `Grid.tabulate`, shape (2 m + 1, 3) or (motions, 2 m + 1, 3).
         parameters: from `models.coefficients`, shape (SLOTS,) or (runs, SLOTS); longer where force laws follow.
         starts: s [m] and ṡ [m/s] at each run's first stamp, shape (runs, 2).
-        table_of: which motion a run uses, shape (runs,); all the first one by default.
+        table_of: index of each run's motion, shape (runs,); the first one by default.
         first, last: stamp indices at which a run begins and ends, shape (runs,); the whole grid by default.
 
     Raises:
@@ -128,7 +128,7 @@ def integrate(
     starts = np.atleast_2d(np.array(starts, float, order="C"))
     count = len(starts)
     tables = tables[None] if tables.ndim == 2 else tables
-    # Copied: numba compiles anew for arrays it may not write to, and a broadcast one is of that kind.
+    # Copied: a broadcast array is read-only, for which numba would compile the kernel again.
     parameters = np.array(np.broadcast_to(parameters, (count, parameters.shape[-1])), float, order="C")
     table_of = np.zeros(count, np.int64) if table_of is None else np.asarray(table_of, np.int64)
     first = np.zeros(count, np.int64) if first is None else np.asarray(first, np.int64)
@@ -158,17 +158,17 @@ def integrate(
 
 
 def simulate(models: Sequence[Model], rig: Rig, motion: BeamMotion, start: State, time: FloatArray) -> list[Trajectory]:
-    """Free runs of several models from one start state.
+    """Simulate several models from one start state.
 
     Args:
         models: any members of the family.
         rig: the rig of all of them.
-        motion: the beam, asked within `time[0]` … `time[-1]` only.
+        motion: of the beam, evaluated within `time[0]` … `time[-1]` only.
         start: the ball at `time[0]`.
         time: stamps at which the ball is wanted, shape (n,), strictly increasing [s].
 
     Returns:
-        One trajectory a model, in their order, named after them.
+        One trajectory for each model, in their order, named after it.
 
     Raises:
         ValueError: no stamps, or stamps that do not increase.

@@ -1,4 +1,4 @@
-"""The forces on the ball, compiled: acceleration along the beam, normal force, and what dry friction can hold.
+"""The forces on the ball, compiled: acceleration along the beam, normal force, limit of the dry friction.
 
 `p` is always a vector from `models.coefficients`, with effects written into it (`analytic.effects`), shape (SLOTS,).
 """
@@ -65,7 +65,7 @@ _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
 @njit(cache=True)
 def acceleration(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
-    """s̈ [m/s²] but for dry friction.
+    """s̈ [m/s²] without dry friction.
 
     Args:
         s, v: ball, position [m] and velocity [m/s].
@@ -125,9 +125,9 @@ def accelerations(s: FloatArray, v: FloatArray, beam: FloatArray, p: FloatArray)
 
 @njit(cache=True)
 def curve(at: float, p: FloatArray) -> float:
-    """A curve through the nodes of the vector: cubic between them, slopes after Catmull and Rom, constant beyond.
+    """The curve through the nodes in the vector: a Catmull–Rom spline, constant beyond its ends.
 
-    One of the rolled angle repeats itself after its last node.
+    A curve over the rolled angle is periodic.
     """
     count = int(p[SHAPE_COUNT])
     place = (at - p[SHAPE_LOW]) / p[SHAPE_STEP]
@@ -155,13 +155,13 @@ def curve_at(where: FloatArray, p: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def rolled(s: float, p: FloatArray) -> float:
-    """The angle by which the ball lies turned, from a mark on it [rad]."""
+    """The angle by which the ball has rolled, counted from a mark on it [rad]."""
     return (s - p[ORIGIN]) * p[ROLL] + p[PHASE]
 
 
 @njit(cache=True)
 def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
-    """Sum of the force laws behind the slots, F/m [m/s²]."""
+    """Sum of the force laws in the blocks behind the slots, F/m [m/s²]."""
     total = 0.0
     for law in range(SLOTS, len(p), LAW_SLOTS):
         depends = p[law]
@@ -178,7 +178,7 @@ def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
 
 @njit(cache=True)
 def hermite(at: float, law: int, p: FloatArray) -> float:
-    """The block `law` of the vector: cubic between nodes, slopes by differences of fourth order, constant beyond."""
+    """The force law in block `law`: a cubic Hermite spline, slopes by differences of fourth order, constant beyond."""
     place = min(max((at - p[law + 1]) / p[law + 2], 0.0), LAW_NODES - 1.0)
     node = min(int(place), LAW_NODES - 2)
     t = place - node
@@ -200,7 +200,7 @@ def normal_force(s: float, v: float, angle: float, rate: float, angular: float, 
 def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
     """Largest deceleration that dry friction can hold up against motion `towards` + or −, k c(ṡ) N/m [m/s²].
 
-    c falls from static to kinetic after Stribeck.
+    c falls from its static to its kinetic value after Stribeck.
     """
     coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
     if p[SHAPE] == DRY_OF_POSITION:

@@ -13,7 +13,7 @@ and differ in the radius ρ of the inertia term, in which of the terms they keep
 | CAM         | eq. 14, 19  | r | yes   | yes  | sin α   | none     |
 | friction    | eq. 15–17   | r | no    | no   | sin α   | F_f      |
 
-Four defects of the printed equations are resolved here in the open (see docs/models.md and tests/analytic):
+Four defects of the printed equations are resolved as follows (see docs/models.md and tests/analytic):
 
 * sign — gravity is taken so that α > 0 accelerates towards +s, in every model;
 * radius — eq. 16 prints J/r², its solution eq. 17 J/R²; `inertia_radius` chooses, with eq. 16 as the default;
@@ -33,7 +33,7 @@ from analytic.rig import Rig
 
 
 class Reading(IntEnum):
-    """What eq. 15, F_f = f_b · tanh(ṡ/v_t) · m g cos α · ṡ, may have meant."""
+    """The possible readings of eq. 15, F_f = f_b · tanh(ṡ/v_t) · m g cos α · ṡ."""
 
     NONE = 0
     PRINTED = 1  # as printed: even in ṡ, hence it drives the ball when ṡ < 0; f_b in s/m
@@ -62,11 +62,11 @@ class Model:
     """One member of the family.
 
     Attributes:
-        name: what results call it.
-        equation: where it stands in the paper.
+        name: as in results.
+        equation: its number in the paper.
         inertia_radius: ρ of s̈'s factor, the ball's radius "R" or the rolling radius "r"; the α̈ term always has r.
-        centrifugal: keeps s α̇².
-        eccentric: keeps the α̈ term.
+        centrifugal: whether it has s α̇².
+        eccentric: whether it has the α̈ term.
         linear: sin α → α.
         reading: friction force.
     """
@@ -80,7 +80,7 @@ class Model:
     reading: Reading = Reading.NONE
 
     def variant(self, name: str, **changes: object) -> Model:
-        """The same model with some choices changed, under a name of its own.
+        """The same model with some choices changed, under another name.
 
         Raises:
             TypeError: there is no such choice.
@@ -100,19 +100,19 @@ MODELS = {model.name: model for model in (CUM, CUM_LINEAR, CAM, *FRICTION.values
 # Slots of the kernel's parameter vector, shape (SLOTS,). Accelerations are per unit of (1 + J/(m ρ²)). The first block
 # is the model's; the others are zero unless an effect (`analytic.effects`) writes them.
 GRAVITY, CENTRIFUGAL, ECCENTRIC, LEVEL, LINEAR, READING, FRICTION_GAIN, TRANSITION = range(8)
-RESPONSE, HEIGHT, WEIGHT = 8, 9, 10  # k [1], h + r [m], g [m/s²]: what the normal force and forces on the ball need
+RESPONSE, HEIGHT, WEIGHT = 8, 9, 10  # k [1], h + r [m], g [m/s²]: for the normal force and forces on the ball
 VISCOUS, QUADRATIC = 11, 12  # [1/s], [1/m]
 DRY_PLUS, DRY_MINUS, DRY_STATIC, STRIBECK_VELOCITY = 13, 14, 15, 16  # [1], [1], excess [1], [m/s]
 CURVATURE, CURVATURE_CENTRE, COMPLIANCE = 17, 18, 19  # [1/m], [m], [rad/m]
 BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
 IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
-TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]: what slipping needs
+TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]
 DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
 SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_COUNT, SHAPE_NODES = range(31, 36)  # a curve of unknown law: `analytic.law.curve`
 MOST_NODES = 24
 SLOTS = SHAPE_NODES + MOST_NODES
-# Behind the slots stands a block for each force law of an effect of the user's own, so that none costs where there is
-# none: what it depends on, first node, distance of nodes, then the nodes, with two more beyond either end for slopes.
+# Each force law of a user's own effect has a block behind the slots, so that runs without any cost nothing more: what
+# it depends on, first node, distance of nodes, then the nodes, with two more beyond either end for slopes.
 LAW_NODES, LAW_MARGIN = 513, 2
 LAW_SLOTS = 3 + LAW_NODES + 2 * LAW_MARGIN
 

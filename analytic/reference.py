@@ -1,4 +1,4 @@
-"""An adaptive reference solution, against which kernel and engines are held."""
+"""An adaptive reference solution, against which kernel and engines are tested."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def reference(
         time: stamps at which the ball is wanted, shape (n,) [s]; the run begins at the first.
 
     Raises:
-        RuntimeError: the solver gave up (its own message).
+        RuntimeError: the solver failed; with its own message.
     """
     p = coefficients(model, rig)
 
@@ -36,7 +36,7 @@ def reference(
         t_eval=np.asarray(time, float),
         rtol=rtol,
         atol=rtol,
-        max_step=0.05,  # a step must not jump over a short move of the beam
+        max_step=0.05,  # longer steps could miss a short move of the beam
     )
     if not solution.success:
         raise RuntimeError(f"reference solution of {model.name}: {solution.message}")

@@ -1,4 +1,4 @@
-"""What is known of a rig: names, units, bounds, and the quantities that follow from them.
+"""The rig's quantities: names, units, bounds, and what follows from them.
 
 Symbols and values are those of Table 1 in Gembalczyk, Domogała, Leśniowski, "Modeling of Underactuated Ball and
 Beam System — A Comparative Study", Actuators 2023, 12(2), 59, doi 10.3390/act12020059 ("the paper").

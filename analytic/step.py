@@ -1,4 +1,4 @@
-"""One step of the ball, compiled: the classical Runge–Kutta method for what is smooth, projections for what is not.
+"""One step of the ball, compiled: the classical Runge–Kutta method for smooth forces, projections for set-valued ones.
 
 RK4: Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", table 1.2. Set-valued forces act on the
 step's mean acceleration, after Moreau ("Unilateral contact and dry friction in finite freedom dynamics", 1988).
@@ -43,17 +43,17 @@ def advance(
     """(s, ṡ, w) after a step of `h` [s].
 
     Args:
-        s, v, w: position [m], velocity [m/s], and what is remembered, see below.
+        s, v, w: position [m], velocity [m/s], and the internal state of slip or Dahl friction, see below.
         h: the step [s].
         beam: from `kernel.Grid.tabulate`; three rows from `row` on are α [rad], α̇ [rad/s], α̈ [rad/s²] at the step's
             start, middle and end, and a coefficient of dry friction that depends on time [1] where there is one.
         p: from `models.coefficients`, with effects written into it, shape (SLOTS,) or longer.
 
-    Everything smooth is integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued
-    force: it opposes the motion; where that stops within the step, friction holds the ball if it can and else opposes
-    the new direction for the rest of the step. A ball at rest so stays at rest, without creep.
+    Smooth forces are integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued force:
+    it opposes the motion; if that stops within the step, friction holds the ball where it can, or else opposes the new
+    direction for the rest of the step. So a ball at rest stays at rest, without creep.
 
-    w is what some effects remember: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
+    w is the internal state of an effect: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
     a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
     """
     middle, end = row + 1, row + 2
@@ -151,13 +151,13 @@ def _slip(smooth: _Step, w: float, beam: FloatArray, row: int, p: FloatArray, dr
 
 @njit(cache=True)
 def dahl_limit(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
-    """k c N/m [m/s²], what a Dahl friction tends to."""
+    """k c N/m [m/s²], the limit of a Dahl friction."""
     return p[RESPONSE] * p[DAHL] * normal_force(s, v, angle, rate, angular, p)
 
 
 @njit(cache=True)
 def dahl(pull: float, v: float, h: float, limit: float, stiffness: float) -> float:
-    """Pull of a Dahl friction after `h` [s] at velocity v: dF/ds = −σ (1 + F sign(ṡ)/(c N)), solved exactly.
+    """A Dahl friction's pull after `h` [s] at velocity v: dF/ds = −σ (1 + F sign(ṡ)/(c N)), solved exactly.
 
     Args:
         pull: k F/m before [m/s²].

@@ -1,9 +1,8 @@
-"""From a recorded beam angle to a drive: smooth α, α̇, α̈ that belong together, on any time grid, with error bars.
+"""From a recorded beam angle to a drive: consistent smooth α, α̇, α̈ at any time, with error bars.
 
-The sensor decides how the record is read. A rounded angle (encoder) is smoothed within its counts, a noisy one within
-its noise; in both cases the prior is the same quintic smoothing spline, whose stiffness is learnt along the record
-(`harness.signals`). Derivatives are those of the spline, never differences of counts. docs/drive.md has the reasons
-and the measured errors.
+A rounded angle (encoder) is smoothed within its counts, a noisy one within its noise; the prior of both is the same
+quintic smoothing spline, whose stiffness is estimated along the record (`harness.signals`). Derivatives are those of
+the spline, never differences of counts. docs/drive.md has the reasons and the measured errors.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ class AngleSensor:
     """How the angle was measured.
 
     Attributes:
-        resolution: distance of two counts, 0 for a continuous reading [rad].
+        resolution: distance between counts, 0 for a continuous reading [rad].
         noise: standard deviation before rounding [rad].
         estimated: whether the noise was estimated from the record rather than declared.
     """
@@ -98,8 +97,8 @@ class Drive(QuinticMotion):
     Attributes:
         std: standard deviations of `states`, shape (n, 3).
         sensor: how the angle was measured.
-        residual_ratio: RMS of (reading − α) over what the sensor explains [1]; some 0.9 for a rounded, 1 for a noisy
-            angle, and far from it the sensor is misdeclared.
+        residual_ratio: RMS of (reading − α) over the sensor's standard deviation [1]; about 0.9 for a rounded, 1 for a
+            noisy angle, far from that for a wrongly declared sensor.
     """
 
     std: FloatArray
@@ -113,7 +112,7 @@ class Drive(QuinticMotion):
         return np.interp(time, self.time, self.std[:, 0])
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
-        """Beam motions drawn from what the record leaves open; their spread is the drive's correlated error."""
+        """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""
         paths = draw(self._smoothed, self._variance, count, np.random.default_rng(seed))
         return [QuinticMotion(self.time, path) for path in paths]
 
@@ -121,12 +120,12 @@ class Drive(QuinticMotion):
 def make_drive(
     time: FloatArray, angle: FloatArray, *, resolution: float | None = None, noise: float | None = None
 ) -> Drive:
-    """Read a recorded beam angle.
+    """Estimate the beam's motion from a recorded angle.
 
     Args:
         time: stamps, shape (n,), strictly increasing [s]; at least three.
         angle: readings, shape (n,), NaN where none was taken [rad].
-        resolution: distance of two counts [rad]; `None` for a continuous reading.
+        resolution: distance between counts [rad]; `None` for a continuous reading.
         noise: standard deviation of the sensor before rounding [rad]; `None` to estimate it from the record.
 
     Raises:
@@ -140,7 +139,7 @@ def make_drive(
     if noise is None or sensor.rounded:
         smoothed, variance, found = smooth_rounded(time, angle, resolution, noise)
         sensor = replace(sensor, noise=found)
-    else:  # noise dithers the rounding, which then is white noise too
+    else:  # noise dithers the rounding, whose error then is white noise too
         smoothed, variance, _ = smooth_rounded(time, angle, 0.0, max(math.sqrt(sensor.variance), _LEAST_NOISE))
     std = np.sqrt(np.diagonal(smoothed.covariance, axis1=1, axis2=2).clip(min=0.0))
     residual = float(np.sqrt(np.mean((angle - smoothed.mean[:, 0])[known] ** 2)))

@@ -1,4 +1,4 @@
-"""Motion under an acceleration that is prescribed in time: nothing to solve, only to integrate twice."""
+"""Motion under an acceleration that is prescribed in time: two quadratures instead of a differential equation."""
 
 from __future__ import annotations
 
