@@ -10,7 +10,7 @@ from enum import StrEnum
 from analytic.rig import Rig
 from harness.identify.estimate.covariance import spread_over
 from harness.identify.estimate.fit import INFLATION, TWO_SIDED, Fit, fit
-from harness.identify.problem.hypothesis import Hypothesis, size
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import THRESHOLD, Entry, candidates, explained, found_in
 from harness.identify.selection.spline_terms import remainder
@@ -142,6 +142,6 @@ def _unseen(ledger: Sequence[Entry], rig: Rig) -> tuple[str, ...]:
         key = tried[0].parameters[0]
         deviation = entry.fit.deviations()[name, key.name]
         price = THRESHOLD + math.log(entry.fit.readings) * len(tried[0].parameters)
-        if not deviation or (size((name, key.name), key, rig) / (INFLATION * deviation)) ** 2 < price:
+        if not deviation or (key.size(rig) / (INFLATION * deviation)) ** 2 < price:
             unseen.append(name)
     return tuple(unseen)

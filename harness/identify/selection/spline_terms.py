@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.effects import Acting, parameters_with
+from analytic.effects import CATALOGUE, Acting, parameters_with
 from analytic.law import acceleration, dry_limit
 from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
@@ -22,16 +22,6 @@ CURVE_THRESHOLD = 20.0  # of BIC: eight curves of twelve numbers can follow what
 _DENSITIES = 10.0 ** np.arange(
     -2.0, 5.0
 )  # of the process noise of a recording that is left out, over that of the others
-# Effects that are curves of the same kind themselves: what the catalogue took of a cause that is not in it.
-_DRY = ("rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis")
-_CONTAINED = {
-    (Depends.POSITION, False): ("level_error", "track_curvature", "track_bump", "beam_compliance"),
-    (Depends.VELOCITY, False): ("viscous_damping", "quadratic_drag"),
-    (Depends.ROLL_ANGLE, False): ("ball_imbalance",),
-    (Depends.POSITION, True): _DRY,
-    (Depends.ROLL_ANGLE, True): _DRY,
-    (Depends.TIME, True): _DRY,
-}
 _PART = 0.5  # of what the best look promises: curves are nearly linear in their nodes, and keep their promises
 
 
@@ -62,7 +52,7 @@ def remainder(problem: Problem, found: Fit, progress: Callable[[str], None]) -> 
     for name in found_in(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
-        contained = name in _CONTAINED.get(_kind(best), ())
+        contained = _kind(best) in CATALOGUE[name].relations.nested_in
         shape = _with_in_it(problem, best, name) if contained else best.refined.shape
         without = fit(problem, Hypothesis(rest, shape), density=best.density, known=best.values())
         stands_in = contained and without.bic < found.bic - CURVE_THRESHOLD

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from analytic.effects import CATALOGUE
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import THRESHOLD, Entry, Progress, beside, fitted, found_in, tell
@@ -12,16 +13,9 @@ from harness.identify.selection.candidates import THRESHOLD, Entry, Progress, be
 MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
 _MOSTLY = 0.1  # of the process noise is left by an effect that explains most of what was missing
 
-# One law of several numbers that two laws of one number each imitate or are: on a beam that is not level a resistance
-# differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with speed from what
-# it is at rest is resistance and drag. Two causes are the rarer explanation, so they have to be the better one by
-# something: of blind trials in which the one acts, the two were better by 0.2 at most; in which the two act, by 3.4 at
-# least.
-SPLITS = {
-    "directional_resistance": ("rolling_resistance", "level_error"),
-    "track_curvature": ("level_error", "beam_compliance"),
-    "stribeck_friction": ("rolling_resistance", "quadratic_drag"),
-}
+# Two causes in the place of one law that they imitate (`Relations.splits_into`) are the rarer explanation, so they have
+# to be the better one by something: of blind trials in which the one acts, the two were better by 0.2 at most; in which
+# the two act, by 3.4 at least.
 RARER = 1.0  # of the score
 
 
@@ -79,8 +73,11 @@ def _where(problem: Problem, without: Fit, best: Fit) -> Fit:
 
 def _split(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
     """Hold one law against the two that imitate it, whichever was found; two have to explain more, and each to pay."""
-    for name, pair in SPLITS.items():
+    for name, effect in CATALOGUE.items():
+        pair = tuple(part.name for part in effect.relations.splits_into or ())
         names = found_in(problem, best)
+        if not pair:
+            continue
         parting = name in names and not set(pair) & set(names) and len(names) < MOST
         if not parting and (name in names or not set(pair) <= set(names)):
             continue
