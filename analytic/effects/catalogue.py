@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
@@ -55,7 +56,35 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
         hint = did_you_mean(name, CATALOGUE)
         raise EffectError(f"there is no effect {name!r}.{hint} There are: {', '.join(CATALOGUE)}.")
     effect = CATALOGUE[name]
-    needed = {parameter.name: parameter for parameter in effect.parameters}
+    check_values(name, {parameter.name: parameter for parameter in effect.parameters}, values)
+    return Acting(effect, dict(values))
+
+
+class Bounded(Protocol):
+    """Something with a unit and bounds, both included."""
+
+    @property
+    def unit(self) -> str:
+        """In SI, "1" for a number."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """Least value."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """Greatest value."""
+        ...
+
+
+def check_values(name: str, needed: Mapping[str, Bounded], values: Mapping[str, float]) -> None:
+    """Refuse `values` of `name` that are not those needed, or that lie out of their bounds.
+
+    Raises:
+        EffectError: they are or do.
+    """
     if set(values) != set(needed):
         raise EffectError(f"{name} has the parameters {', '.join(needed)}; given: {', '.join(values) or 'none'}.")
     for key, value in values.items():
@@ -64,7 +93,6 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
             raise EffectError(
                 f"{name}: {key} is {value:g}; it must lie between {low:g} and {high:g} {needed[key].unit}."
             )
-    return Acting(effect, dict(values))
 
 
 def rig_with(rig: Rig, effects: Iterable[Acting]) -> Rig:
