@@ -197,7 +197,7 @@ def _advice(error: Any) -> str:
     if kind == "extra_forbidden":
         return _unknown(location, value)
     if kind == "missing":
-        return f'{where} is missing. Name the effect, such as name = "rolling_resistance".'
+        return f"{where} is missing. Name the effect as the catalogue in docs/diagnosis.md does."
     if kind == "float_type":
         return f"{where} = {value!r} is not a number. Write a plain number such as 0.0132, without quotes or unit."
     if kind in ("string_type", "list_type"):
