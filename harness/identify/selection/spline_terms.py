@@ -99,11 +99,16 @@ def _law_along(problem: Problem, effect: Acting, shape: Shape) -> FloatArray:
     if shape.friction:  # of a rolling ball, and the mean of both directions
         limits = [dry_limit(0.0, towards, towards, 0.0, 0.0, 0.0, full) for towards in (1.0, -1.0)]
         return np.full(len(shape.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
-    of_velocity, per_place = shape.depends is Depends.VELOCITY, 1.0 / full[ROLL] if shape.turning else 1.0
+    s, v, angle = np.zeros((3, len(shape.nodes)))
+    if shape.depends is Depends.VELOCITY:
+        v = shape.places
+    elif shape.depends is Depends.ANGLE:
+        angle = shape.places
+    else:
+        s = shape.places / full[ROLL] if shape.turning else shape.places
 
     def along(p: FloatArray) -> FloatArray:
-        where = [(0.0, place) if of_velocity else (per_place * place, 0.0) for place in shape.places]
-        return np.array([acceleration(s, v, 0.0, 0.0, 0.0, p) for s, v in where])
+        return np.array([acceleration(*at, 0.0, 0.0, p) for at in zip(s, v, angle, strict=True)])
 
     return (along(full) - along(bare)) / full[RESPONSE]
 
