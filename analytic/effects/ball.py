@@ -74,6 +74,7 @@ ROLLING_RADIUS = Effect(
 CONTACT_SLIP = Effect(
     "contact_slip",
     "|F_t| ≤ μ N R/r; beyond it the ball slides and φ is a state of its own",
+    # no value does nothing on every rig: where the ball grips depends on how the beam moves
     (Parameter("friction_coefficient", "1", 0.0, 2.0, 0.03, starts=(0.004, 0.008, 0.015, 0.03)),),
     "Coulomb, 1785; two contacts that lean carry N R/r together",
     write=_slip,
