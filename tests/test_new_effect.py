@@ -109,10 +109,10 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     write_case(tmp_path / "case", Experiment(hidden={HOSE.name: VALUES}, duration=8.0, seed=1, predict=0))
     case = load_case(tmp_path / "case")
     found = diagnose(problem_of(case)[0])
-    (finding,) = found.findings
-    _, low, high, unit = finding.values["force"]
-    assert (finding.name, unit) == (HOSE.name, "N")
-    assert low < VALUES["force"] < high
+    (effect,) = found.effects
+    force = effect.parameters["force"]
+    assert (effect.name, force.unit) == (HOSE.name, "N")
+    assert force.low < VALUES["force"] < force.high
     for name in ("mujoco", "pybullet"):
         before, after = (found.engines[name][when]["rms_m"]["whole"] for when in ("before", "after"))
         assert after < 0.2 * before

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,14 @@ from analytic.motion import FloatArray
 from harness.cli.outputs import all_or_nothing, csv_text, report_folder, to_json
 from harness.cli.progress import told_on_stderr
 from harness.errors import InputError
-from harness.identify.depends import depends_on
 from harness.identify.design.proposal import FILE
 from harness.identify.diagnosis import Diagnosis, diagnose
 from harness.identify.estimate.forecast import forecast
 from harness.identify.model_file import model_record
 from harness.identify.problem.prepare import problem_of, record_of
-from harness.identify.selection.ledger import ledger_record
+from harness.identify.selection.ledger_record import ledger_record
 from harness.identify.validation.engine_errors import entries
-from harness.identify.validation.held_out import Comparison
+from harness.identify.validation.held_out import BeforeAfter
 from harness.provenance import versions
 from harness.recording import Case, Recording, load_recording
 from harness.recording.source import read_source
@@ -155,24 +154,21 @@ def as_record(
     shape = found.found.best.shape
     inputs = {"hashes": hashes, "versions": versions()}
     return {
-        "schema": 1,
+        "schema": 2,
         "verdict": str(found.verdict),
         "sentence": sentence(found),
         "effects": [
             {
                 "name": one.name,
-                "parameters": {
-                    key: {"value": value, "low": low, "high": high, "unit": unit}
-                    for key, (value, low, high, unit) in one.values.items()
-                },
+                "parameters": {key: asdict(estimate) for key, estimate in one.parameters.items()},
                 "indistinguishable_from": list(one.indistinguishable_from),
             }
-            for one in found.findings
+            for one in found.effects
         ],
         "unlisted": None
         if shape is None
         else {
-            "depends_on": [str(one) for one in depends_on(found.found, found.ledger)],
+            "depends_on": [str(one) for one in found.depends_on],
             "shape": {
                 "at": shape.places.tolist(),
                 "values": shape.nodes.tolist(),
@@ -190,8 +186,8 @@ def as_record(
             "also": {name: {**_errors(one.errors), "engines": one.engines} for name, one in found.also.items()},
         },
         "hidden_by_unknown_rig": list(found.hidden),
-        "yardsticks": None if found.contest is None else found.contest.record(),
-        **ledger_record(found.problem, found.base, found.ledger, inputs),
+        "baselines": None if found.baselines is None else found.baselines.record(),
+        **ledger_record(found.problem, found.selection, inputs),
         "model": model_record(found.problem, found.found, case.sensors),
         "inputs": {
             **inputs,
@@ -203,7 +199,7 @@ def as_record(
     }
 
 
-def _errors(one: Comparison) -> Mapping[str, Any]:
+def _errors(one: BeforeAfter) -> Mapping[str, Any]:
     return {
         when: {
             "rms_m": dict(each.rms),
