@@ -1,28 +1,68 @@
-"""What a model may lack: every effect by name, with its law, parameters, units and bounds."""
+"""What a model may lack: every effect, and all that is known of it, each in one place."""
 
+from analytic.effects.ball import BALL_IMBALANCE, CONTACT_SLIP, ECCENTRIC_PIVOT, ROLLING_RADIUS
 from analytic.effects.catalogue import (
     CATALOGUE,
     acting,
     joined,
     motion_with,
     parameters_with,
-    recorded_with,
     rig_with,
+    sensor_with,
+    transmission_with,
 )
-from analytic.effects.effect import Acting, Effect, Parameter
+from analytic.effects.drive import ANGLE_GAIN, LINKAGE_BACKLASH
+from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission, TrialSize
 from analytic.effects.force import EffectError, Force
+from analytic.effects.parameter import Parameter
+from analytic.effects.resistance import (
+    DIRECTIONAL_RESISTANCE,
+    PRESLIDING_HYSTERESIS,
+    QUADRATIC_DRAG,
+    ROLLING_RESISTANCE,
+    STRIBECK_FRICTION,
+    VISCOUS_DAMPING,
+)
+from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG
+from analytic.effects.sensor_law import SensorLaw
+from analytic.effects.track import BEAM_COMPLIANCE, LEVEL_ERROR, TRACK_BUMP, TRACK_CURVATURE
 
 __all__ = [
+    "ANGLE_GAIN",
+    "BALL_IMBALANCE",
+    "BEAM_COMPLIANCE",
     "CATALOGUE",
+    "CHANNEL_DELAY",
+    "CONTACT_SLIP",
+    "DIRECTIONAL_RESISTANCE",
+    "ECCENTRIC_PIVOT",
+    "LEVEL_ERROR",
+    "LINKAGE_BACKLASH",
+    "POSITION_GAIN",
+    "POSITION_LAG",
+    "PRESLIDING_HYSTERESIS",
+    "QUADRATIC_DRAG",
+    "ROLLING_RADIUS",
+    "ROLLING_RESISTANCE",
+    "STRIBECK_FRICTION",
+    "TRACK_BUMP",
+    "TRACK_CURVATURE",
+    "VISCOUS_DAMPING",
     "Acting",
     "Effect",
     "EffectError",
+    "EngineEntry",
     "Force",
     "Parameter",
+    "Relations",
+    "SensorLaw",
+    "Transmission",
+    "TrialSize",
     "acting",
     "joined",
     "motion_with",
     "parameters_with",
-    "recorded_with",
     "rig_with",
+    "sensor_with",
+    "transmission_with",
 ]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from analytic.effects.effect import Effect, Parameter
+from typing import Any
+
+from analytic.effects.effect import Effect, EngineEntry, Relations, TrialSize
 from analytic.effects.force import Values
-from analytic.models import ECCENTRIC, IMBALANCE, PHASE, RESPONSE, TRACTION
+from analytic.effects.parameter import Parameter
+from analytic.models import ECCENTRIC, IMBALANCE, RESPONSE, TRACTION
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
 
 def _imbalance(p: FloatArray, rig: Rig, values: Values) -> None:
     p[IMBALANCE] = p[RESPONSE] * rig.gravity * values["offset"] / rig.rolling_radius
-    p[PHASE] = values.get("phase", 0.0)
 
 
 def _radius(rig: Rig, values: Values) -> Rig:
@@ -22,38 +24,84 @@ def _slip(p: FloatArray, rig: Rig, values: Values) -> None:
     p[TRACTION] = values["friction_coefficient"] * rig.radius / rig.rolling_radius
 
 
+def _slippery_mujoco(values: Values) -> dict[str, Any]:
+    return {"friction": values["friction_coefficient"], "slip_limit": 10.0, "friction_relaxation": 0.01}
+
+
+def _slippery_pybullet(values: Values) -> dict[str, Any]:
+    return {"lateral_friction_ball": values["friction_coefficient"], "lateral_friction_rail": 1.0, "slip_limit": 10.0}
+
+
 def _pivot(p: FloatArray, rig: Rig, values: Values) -> None:
     r = rig.rolling_radius
     p[ECCENTRIC] = p[RESPONSE] * (values["eccentricity"] + r + rig.inertia / (rig.mass * r))
 
 
-BALL = (
-    Effect(
-        "ball_imbalance",
-        "torque m g e sin(φ + φ₀), φ the rolled angle, φ₀ free per recording",
-        (Parameter("offset", "m", 0.0, 0.01, 5e-5),),
-        "statics of a ball whose centre of mass lies e off its centre",
-        _imbalance,
-    ),
-    Effect(
-        "rolling_radius",
-        "r differs from the declared one",
-        (Parameter("radius", "m", 1e-4, 1.0, 0.011),),
-        "the paper, eq. 14",
-        alter=_radius,
-    ),
-    Effect(
-        "contact_slip",
-        "|F_t| ≤ μ N R/r; beyond it the ball slides and φ is a state of its own",
-        (Parameter("friction_coefficient", "1", 0.0, 2.0, 0.03),),
-        "Coulomb, 1785; two contacts that lean carry N R/r together",
-        _slip,
-    ),
-    Effect(
-        "eccentric_pivot",
-        "adds the α̈ term to CUM: −(h + r + J/(m r)) α̈",
-        (Parameter("eccentricity", "m", -1.0, 1.0, 0.035),),
-        "the paper, eq. 14 against eq. 3",
-        _pivot,
-    ),
+BALL_IMBALANCE = Effect(
+    "ball_imbalance",
+    "torque m g e sin(φ + φ₀), φ the rolled angle, φ₀ free per recording",
+    # an offset to the other side is a φ₀ half a turn away
+    (Parameter("offset", "m", 0.0, 0.01, 5e-5, starts=(2e-5,), strength=True, shown=("µm", 1e6)),),
+    "statics of a ball whose centre of mass lies e off its centre",
+    write=_imbalance,
+    turning=True,
+    phrase="a ball out of balance by {offset}",
+    relations=Relations(once=True, nested_in=(("roll_angle", False),)),
+    trial=TrialSize({"offset": 5e-5}),
 )
+ROLLING_RADIUS = Effect(
+    "rolling_radius",
+    "r differs from the declared one",
+    (
+        Parameter(
+            "radius",
+            "m",
+            1e-4,
+            1.0,
+            0.011,
+            neutral=lambda rig: rig.rolling_radius,
+            # a ball cannot roll on more than its radius, nor deep in a groove that it falls through
+            fitted=lambda visited, rig: (0.2 * rig.radius, rig.radius),
+            shown=("mm", 1e3),
+        ),
+    ),
+    "the paper, eq. 14",
+    alter=_radius,
+    phrase="a rolling radius of {radius} instead of {declared}",
+    relations=Relations(once=True, hidden_by=("ratio",)),
+    trial=TrialSize({"radius": 0.0105}),  # smaller only: see the bounds
+)
+CONTACT_SLIP = Effect(
+    "contact_slip",
+    "|F_t| ≤ μ N R/r; beyond it the ball slides and φ is a state of its own",
+    # no value does nothing on every rig: where the ball grips depends on how the beam moves
+    (Parameter("friction_coefficient", "1", 0.0, 2.0, 0.03, starts=(0.004, 0.008, 0.015, 0.03)),),
+    "Coulomb, 1785; two contacts that lean carry N R/r together",
+    write=_slip,
+    phrase="a slip of the ball at a friction coefficient of {friction_coefficient}",
+    relations=Relations(once=True),
+    engine=EngineEntry(
+        "the engine's own friction coefficient",
+        # with limits that let the ball slide (see `harness run --help`)
+        {"mujoco": _slippery_mujoco, "pybullet": _slippery_pybullet},
+    ),
+    # In the moves of the trials the ball keeps its grip from about μ = 0.019 on. An engine's ball cannot be made to
+    # slide by a force along the beam.
+    trial=TrialSize({"friction_coefficient": 0.012}, neutral=0.019, engines=False),
+)
+ECCENTRIC_PIVOT = Effect(
+    "eccentric_pivot",
+    "adds the α̈ term to CUM: −(h + r + J/(m r)) α̈",
+    (
+        Parameter(
+            "eccentricity", "m", -1.0, 1.0, 0.035, starts=lambda visited, rig: [rig.eccentricity], shown=("mm", 1e3)
+        ),
+    ),
+    "the paper, eq. 14 against eq. 3",
+    write=_pivot,
+    phrase="a pivot eccentricity of {eccentricity}",
+    relations=Relations(once=True, in_baseline=lambda model: model.eccentric),
+    trial=TrialSize({"eccentricity": Rig().eccentricity}),
+)
+
+BALL = (BALL_IMBALANCE, ROLLING_RADIUS, CONTACT_SLIP, ECCENTRIC_PIVOT)

@@ -1,23 +1,25 @@
-"""Every effect by name, and what a rig with effects acting comes to: kernel vector, beam motion, recorded position."""
+"""Every effect by name, and what a rig with effects acting comes to: kernel vector, beam motion, sensor."""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
 from analytic.effects.ball import BALL
-from analytic.effects.drive import DRIVE
-from analytic.effects.effect import Acting, Effect
+from analytic.effects.drive import DRIVE, transmitted
+from analytic.effects.effect import Acting, Effect, Transmission
 from analytic.effects.force import EffectError
 from analytic.effects.resistance import RESISTANCES
 from analytic.effects.sensor import SENSOR
+from analytic.effects.sensor_law import SensorLaw
 from analytic.effects.track import TRACK
-from analytic.models import Model, coefficients
+from analytic.models import PHASE, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
+from analytic.naming import did_you_mean
 from analytic.rig import Rig
 
 _EFFECTS = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
@@ -51,11 +53,38 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
         EffectError: unknown effect or parameter, a missing parameter, or a value out of bounds.
     """
     if name not in CATALOGUE:
-        near = difflib.get_close_matches(name, CATALOGUE, n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
+        hint = did_you_mean(name, CATALOGUE)
         raise EffectError(f"there is no effect {name!r}.{hint} There are: {', '.join(CATALOGUE)}.")
     effect = CATALOGUE[name]
-    needed = {parameter.name: parameter for parameter in effect.parameters}
+    check_values(name, {parameter.name: parameter for parameter in effect.parameters}, values)
+    return Acting(effect, dict(values))
+
+
+class Bounded(Protocol):
+    """Something with a unit and bounds, both included."""
+
+    @property
+    def unit(self) -> str:
+        """In SI, "1" for a number."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """Least value."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """Greatest value."""
+        ...
+
+
+def check_values(name: str, needed: Mapping[str, Bounded], values: Mapping[str, float]) -> None:
+    """Refuse `values` of `name` that are not those needed, or that lie out of their bounds.
+
+    Raises:
+        EffectError: they are or do.
+    """
     if set(values) != set(needed):
         raise EffectError(f"{name} has the parameters {', '.join(needed)}; given: {', '.join(values) or 'none'}.")
     for key, value in values.items():
@@ -64,7 +93,6 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
             raise EffectError(
                 f"{name}: {key} is {value:g}; it must lie between {low:g} and {high:g} {needed[key].unit}."
             )
-    return Acting(effect, dict(values))
 
 
 def rig_with(rig: Rig, effects: Iterable[Acting]) -> Rig:
@@ -75,28 +103,47 @@ def rig_with(rig: Rig, effects: Iterable[Acting]) -> Rig:
     return rig
 
 
-def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting]) -> FloatArray:
-    """The kernel vector of `model` on `rig` with `effects` acting, shape (SLOTS + laws · LAW_SLOTS,)."""
+def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting], *, phase: float = 0.0) -> FloatArray:
+    """The kernel vector of `model` on `rig` with `effects` acting, shape (SLOTS + laws · LAW_SLOTS,).
+
+    Args:
+        phase: φ₀, how the ball lies at the start, where that matters to one of them [rad].
+    """
     rig = rig_with(rig, effects)
     vector = coefficients(model, rig)
     for one in effects:
         if one.effect.write is not None:
             one.effect.write(vector, rig, one.values)
+    if any(one.effect.turning for one in effects):
+        vector[PHASE] = phase
     laws = [one.effect.force.sampled(rig, one.values) for one in effects if one.effect.force is not None]
     return np.concatenate((vector, *laws)) if laws else vector
+
+
+def transmission_with(effects: Iterable[Acting]) -> Transmission:
+    """Gain and play of all of `effects` between measured angle and beam: gains multiply, plays add up."""
+    gain, play = 1.0, 0.0
+    for one in effects:
+        if one.effect.transmission is not None:
+            each = one.effect.transmission(one.values)
+            gain, play = gain * each.gain, play + each.play
+    return Transmission(gain, play)
 
 
 def motion_with(motion: BeamMotion, stamps: FloatArray, effects: Iterable[Acting]) -> BeamMotion:
     """The beam's motion when `effects` act between it and the measured one; `stamps`, shape (n,) [s]."""
     for one in effects:
+        if one.effect.transmission is not None:
+            motion = transmitted(motion, stamps, one.effect.transmission(one.values))
         if one.effect.turn is not None:
             motion = one.effect.turn(motion, stamps, one.values)
     return motion
 
 
-def recorded_with(time: FloatArray, position: FloatArray, effects: Iterable[Acting]) -> FloatArray:
-    """What is recorded of `position` [m] at `time` [s], both of shape (n,), when `effects` act on the sensor."""
+def sensor_with(effects: Iterable[Acting]) -> SensorLaw:
+    """What `effects` do to the recorded position, all of them one behind the other."""
+    law = SensorLaw()
     for one in effects:
-        if one.effect.sense is not None:
-            position = one.effect.sense(time, position, one.values)
-    return position
+        if one.effect.sensor is not None:
+            law = law.behind(one.effect.sensor(one.values))
+    return law

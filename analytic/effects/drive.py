@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.effects.effect import Effect, Parameter
-from analytic.effects.force import Values
+from analytic.effects.effect import Effect, Relations, Transmission, TrialSize
+from analytic.effects.parameter import Parameter
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
 _PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder
@@ -57,12 +57,13 @@ def play(angle: FloatArray, half: float, stand: FloatArray, side: FloatArray) ->
         stand[n] = beam
 
 
-def _scaled(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotion:
-    return ScaledMotion(motion, values["gain"])
-
-
-def _played(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotion:
-    half = 0.5 * values["width"]
+def transmitted(motion: BeamMotion, stamps: FloatArray, through: Transmission) -> BeamMotion:
+    """The beam's motion behind the measured one, over a recording's stamps, shape (n,) [s]."""
+    if through.gain != 1.0:
+        motion = ScaledMotion(motion, through.gain)
+    if through.play == 0.0:
+        return motion
+    half = 0.5 * through.play
     count = int((stamps[-1] - stamps[0]) / _PLAY_STEP) + 1
     time = np.append(stamps[0] + _PLAY_STEP * np.arange(count), stamps[-1])
     stand, side = np.empty(len(time)), np.empty(len(time))
@@ -70,19 +71,37 @@ def _played(motion: BeamMotion, stamps: FloatArray, values: Values) -> BeamMotio
     return BacklashMotion(motion, time, stand, side, half)
 
 
-DRIVE = (
-    Effect(
-        "angle_gain",
-        "beam angle = gain × measured angle",
-        (Parameter("gain", "1", 0.1, 10.0, 0.95),),
-        "a scale error of the angle sensor or its gear",
-        turn=_scaled,
-    ),
-    Effect(
-        "linkage_backlash",
-        "play of total width b between measured angle and beam",
-        (Parameter("width", "rad", 0.0, 0.5, 0.005),),
-        "Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989",
-        turn=_played,
-    ),
+ANGLE_GAIN = Effect(
+    "angle_gain",
+    "beam angle = gain × measured angle",
+    (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0),),
+    "a scale error of the angle sensor or its gear",
+    transmission=lambda values: Transmission(gain=values["gain"]),
+    phrase="a gain of {gain} between measured and real beam angle",
+    relations=Relations(stands_for="ratio"),
+    trial=TrialSize({"gain": 1.05}, signed=True),
 )
+LINKAGE_BACKLASH = Effect(
+    "linkage_backlash",
+    "play of total width b between measured angle and beam",
+    # a play as wide as the paper's beam turns, ±0.25 rad, leaves it where it is
+    (
+        Parameter(
+            "width",
+            "rad",
+            0.0,
+            0.5,
+            0.005,
+            starts=(0.002, 0.008),
+            strength=True,
+            shown=("°", float(np.degrees(1.0))),
+        ),
+    ),
+    "Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989",
+    transmission=lambda values: Transmission(play=values["width"]),
+    phrase="a linkage backlash of {width}",
+    # the jolt of a gap that closes throws the ball off an engine's edges
+    trial=TrialSize({"width": 0.0087}, engines=False),
+)
+
+DRIVE = (ANGLE_GAIN, LINKAGE_BACKLASH)

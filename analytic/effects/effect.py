@@ -1,12 +1,18 @@
-"""What an effect is: a law with named parameters that it writes into the kernel's parameter vector."""
+"""What an effect is: everything that the program knows of one, in one place.
+
+An effect of the catalogue is described here alone; whoever needs a fact of it asks the `Effect`, and nobody its name.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from analytic.effects.force import EffectError, Force, Values
+from analytic.effects.parameter import Parameter
+from analytic.effects.sensor_law import SensorLaw
+from analytic.models import Model
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 
@@ -16,47 +22,76 @@ Alter = Callable[[Rig, Values], Rig]
 """The rig as it is instead of as it is declared."""
 Turn = Callable[[BeamMotion, FloatArray, Values], BeamMotion]
 """The beam's motion behind the measured one, over a recording's stamps, shape (n,) [s]."""
-Sense = Callable[[FloatArray, FloatArray, Values], FloatArray]
-"""What is recorded of a position, both of shape (n,) [m], at stamps, shape (n,) [s]."""
+
+UnknownQuantity = Literal["ratio", "level"]
+"""What a rig file may leave open: K = 1/(1 + J/(m r²)), and the level angle α₀."""
+SplineKind = tuple[str, bool]
+"""A kind of spline term: the quantity it depends on, as in diagnosis.json, and whether it is a dry friction."""
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """One parameter of an effect.
+class Transmission:
+    """Between the measured angle and the beam: beam angle = `gain` × angle [1], behind `play` of this width [rad]."""
+
+    gain: float = 1.0
+    play: float = 0.0
+
+
+@dataclass(frozen=True)
+class Relations:
+    """How an effect stands to others, to the rig and to the baseline.
 
     Attributes:
-        name: public, as in results.
-        unit: in SI, "1" for a number.
-        low, high: bounds.
-        typical: a size at which the effect matters; not 0.
-        starts: where fits begin; at the typical size if there are none.
-
-    Raises:
-        EffectError: bounds or sizes that cannot be.
+        once: whether only one can act, as the kernel or the rig takes one.
+        stands_for: the quantity of an incompletely known rig that it stands for in every hypothesis.
+        hidden_by: unknown quantities of the rig whose estimates take it in, besides the one that it stands for.
+        in_baseline: whether a model has it already.
+        nested_in: kinds of spline terms that contain its law.
+        splits_into: two effects of one number each which imitate it or which it is made of. Two causes are the rarer
+            explanation.
     """
 
-    name: str
-    unit: str
-    low: float
-    high: float
-    typical: float
-    starts: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        if not self.name.isidentifier():
-            raise EffectError(f"{self.name!r} is no name for a parameter; use letters, digits and _")
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            raise EffectError(
-                f"{self.name}: bounds {self.low:g} and {self.high:g}; they must be finite, the lower one first"
-            )
-        for value in (self.typical, *self.starts):
-            if not self.low <= value <= self.high:
-                raise EffectError(f"{self.name}: {value:g} lies outside its bounds, {self.low:g} to {self.high:g}")
-        if self.typical == 0.0:
-            raise EffectError(f"{self.name}: typical is 0; give a size at which the effect matters")
+    once: bool = False
+    stands_for: UnknownQuantity | None = None
+    hidden_by: tuple[UnknownQuantity, ...] = ()
+    in_baseline: Callable[[Model], bool] = lambda _: False
+    nested_in: tuple[SplineKind, ...] = ()
+    splits_into: tuple[Effect, Effect] | None = None
 
 
 @dataclass(frozen=True)
+class EngineEntry:
+    """How an effect enters the engines' scenes, where that does not follow from what it acts on.
+
+    Attributes:
+        words: where, for the report.
+        settings: the engines' own parameters that stand for it, by engine; it is then no force on the ball.
+    """
+
+    words: str = ""
+    settings: Mapping[str, Callable[[Values], dict[str, Any]]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class TrialSize:
+    """How large an effect is in blind trials on the paper's rig.
+
+    Attributes:
+        middle: value at the middle size of every parameter that grows with it (SI).
+        fixed: between which values the other parameters are drawn, whatever the size (SI).
+        neutral: where the growing parameters do nothing in a trial (SI); as the first one says if it is not given.
+        signed: whether either sign can be.
+        engines: whether the engines' scenes can show it; the virtual rig can show all.
+    """
+
+    middle: Mapping[str, float]
+    fixed: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    neutral: float | None = None
+    signed: bool = False
+    engines: bool = True
+
+
+@dataclass(frozen=True, eq=False)
 class Effect:
     """One entry of the catalogue. It acts in one place: on the ball, on the rig's quantities, on the angle, or on the
     sensor.
@@ -67,11 +102,17 @@ class Effect:
         parameters: in the order of results; the first one is its strength.
         source: where the law comes from.
         write: puts a force or tilt into the kernel's vector.
-        alter: changes a quantity of the rig.
-        turn: changes the beam's motion.
-        sense: changes what is recorded of the position.
-        dry: whether it is a set-valued friction, which needs the ball's stop within a step.
         force: a force on the ball that the kernel has no slot for.
+        alter: changes a quantity of the rig.
+        transmission: gain and play between measured angle and beam.
+        turn: changes the beam's motion in any other way, which moves in closed loop do not foresee.
+        sensor: gain, lag and delay of what is recorded of the position.
+        dry: whether it is a set-valued friction, which needs the ball's stop within a step.
+        turning: whether it matters how the ball lies at the start, φ₀, which then is free in each recording.
+        phrase: what it is called with its values in it, by parameter; {declared} is where its first one does nothing.
+        relations: to other effects, the rig and the baseline.
+        engine: how it enters the engines' scenes.
+        trial: its size in blind trials; without one there are none.
 
     Raises:
         EffectError: a name that is none, no parameter or one twice, no law, or an effect that does nothing.
@@ -84,9 +125,15 @@ class Effect:
     write: Write | None = None
     alter: Alter | None = None
     turn: Turn | None = None
-    sense: Sense | None = None
     dry: bool = False
     force: Force | None = None
+    transmission: Callable[[Values], Transmission] | None = None
+    sensor: Callable[[Values], SensorLaw] | None = None
+    turning: bool = False
+    phrase: str = ""
+    relations: Relations = Relations()
+    engine: EngineEntry = EngineEntry()
+    trial: TrialSize | None = None
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():
@@ -96,8 +143,32 @@ class Effect:
             raise EffectError(f"{self.name}: give it parameters, each name once")
         if not (self.law and self.source):
             raise EffectError(f"{self.name}: say its law in a line, and where that comes from")
-        if not any((self.write, self.alter, self.turn, self.sense, self.force)):
-            raise EffectError(f"{self.name}: does nothing; give it a force, or alter, turn, sense or write")
+        if not any((self.write, self.alter, self.turn, self.transmission, self.sensor, self.force)):
+            raise EffectError(
+                f"{self.name}: does nothing; give it a force, or alter, turn, transmission, sensor or write"
+            )
+
+    @property
+    def strengths(self) -> frozenset[str]:
+        """Names of the parameters with which it vanishes; of a force the first, if none says so."""
+        named = frozenset(parameter.name for parameter in self.parameters if parameter.strength)
+        return named or frozenset([self.parameters[0].name] if self.force is not None else ())
+
+    @property
+    def pushes(self) -> bool:
+        """Whether an engine's ball gets it as a force."""
+        return (self.write is not None or self.force is not None) and not self.engine.settings
+
+    @property
+    def enters(self) -> str:
+        """Where it enters the engines' scenes, in words."""
+        if self.engine.words:
+            return self.engine.words
+        if self.alter is not None:
+            return "the scene's geometry"
+        if self.transmission is not None or self.turn is not None:
+            return "angle of the driven beam"
+        return "force on the ball" if self.sensor is None else "sensor side: what is recorded of the position"
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ MAGNET = Effect(
     law="F = F_max · 25 √5/16 · x/(1 + x²)^(5/2), x = (s_c − s)/d; F_max < 0 repels",
     parameters=(
         Parameter("force", "N", low=-0.1, high=0.1, typical=0.01),
-        Parameter("centre", "m", low=0.0, high=0.7, typical=0.3, starts=(0.15, 0.25, 0.35, 0.45)),
+        Parameter("centre", "m", low=0.0, high=0.7, typical=0.3, place=True, starts=(0.15, 0.25, 0.35, 0.45)),
         Parameter("distance", "m", low=0.01, high=0.3, typical=0.05),
     ),
     source="energy of two dipoles side by side; Jackson, Classical Electrodynamics, 3rd ed., sections 5.6 and 5.7",

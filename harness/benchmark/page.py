@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from analytic.effects import CONTACT_SLIP, ECCENTRIC_PIVOT, LINKAGE_BACKLASH
 from harness.benchmark.rows import Outcome, Row
-from harness.benchmark.sizes import SCALES, SIZES, SPREAD
+from harness.benchmark.sizes import SIZES, SPREAD, scales
 from harness.benchmark.tables import ELSEWHERE
 from harness.benchmark.targets import Target, targets
 from harness.benchmark.trials import STUDIES
@@ -24,8 +25,8 @@ hidden effect, {confusion} of recovery, {power} of small sizes besides; by plant
 A trial is a case of two recordings of 16 s at 100 Hz in closed loop with random moves, read from disk like anybody's.
 
 - **Plants.** The virtual rig's rigid bodies in contact, and the scenes of MuJoCo and PyBullet, contacts and all. None
-  has an equation of motion along the beam, which is what is fitted. A ball that slides (`contact_slip`) and a gap that
-  closes (`linkage_backlash`) are the virtual rig's alone: no force on an engine's ball stands for the one, and the jolt
+  has an equation of motion along the beam, which is what is fitted. A ball that slides (`{slip}`) and a gap that
+  closes (`{backlash}`) are the virtual rig's alone: no force on an engine's ball stands for the one, and the jolt
   of the other throws the ball off an engine's edges.
 - **Sensors.** An encoder of 40,000 counts a turn (fine) or the paper's 4,096; 0.2–0.6 mm of noise in the position; in a
   fifth of the trials 0.5 % of the positions are spikes of 10–60 mm.
@@ -33,7 +34,7 @@ A trial is a case of two recordings of 16 s at 100 Hz in closed loop with random
 - **Declared.** Rolling resistance, a level error, both or none act besides and are declared.
 - **Sizes.** Factors of a middle one: {sizes}; drawn within ± {spread:.0f} %, with a random sign where there is one
   (`harness/benchmark/sizes.py`).
-- **Baseline.** CAM. Where `eccentric_pivot` is hidden, CAM without its α̈ term; CUM as printed has R in the inertia
+- **Baseline.** CAM. Where `{pivot}` is hidden, CAM without its α̈ term; CUM as printed has R in the inertia
   besides, a gain of 7 %. The fit begins at the pivot of the rig file.
 
 Rates have 95 % intervals after Wilson. Every trial follows from its name alone; any part can be run by itself
@@ -105,6 +106,9 @@ def _head(rows: Sequence[Row], source: str) -> str:
         failed=sum(row.outcome is Outcome.FAILED for row in rows),
         sizes=", ".join(f"{name} {factor:g}" for name, factor in SIZES.items()),
         spread=100.0 * SPREAD,
+        slip=CONTACT_SLIP.name,
+        backlash=LINKAGE_BACKLASH.name,
+        pivot=ECCENTRIC_PIVOT.name,
         **{study: sum(row.trial.study == study for row in rows) for study in STUDIES},
     )
 
@@ -135,7 +139,7 @@ def _table(table: pd.DataFrame) -> str:
 
 def _matrix(table: pd.DataFrame) -> str:
     """Counts, columns by number; the diagonal is bold and zeros are blank."""
-    numbers = {effect: str(number) for number, effect in enumerate(SCALES, 1)}
+    numbers = {effect: str(number) for number, effect in enumerate(scales(), 1)}
     heads = [*numbers.values(), *ELSEWHERE]
     lines = [f"| | {' | '.join(heads)} |", f"|---|{'---|' * len(heads)}"]
     for line in table.to_dict("records"):

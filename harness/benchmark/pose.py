@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from analytic.effects import ECCENTRIC_PIVOT
 from analytic.models import CUM
 from analytic.rig import Rig
-from harness.benchmark.trials import PIVOT, RIG, Trial
+from harness.benchmark.trials import RIG, Trial
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
@@ -20,6 +21,7 @@ from harness.simulator.engine_ball import engine_mover
 # besides, which is a gain of 7 % on everything, and would be found as one.
 WITHOUT_PIVOT = CUM.variant("cum_rolling_radius", inertia_radius="r")
 
+PIVOT = ECCENTRIC_PIVOT.name
 _SPIKE = (0.01, 0.06)  # size of a spike [m]
 
 

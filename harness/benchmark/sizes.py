@@ -7,6 +7,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from analytic.effects import (
+    ANGLE_GAIN,
+    CATALOGUE,
+    CHANNEL_DELAY,
+    LEVEL_ERROR,
+    LINKAGE_BACKLASH,
+    POSITION_GAIN,
+    POSITION_LAG,
+    ROLLING_RADIUS,
+    ROLLING_RESISTANCE,
+    TRACK_CURVATURE,
+    VISCOUS_DAMPING,
+    Effect,
+    TrialSize,
+)
 from analytic.rig import Rig
 
 SIZES = {"small": 0.3, "middle": 1.0, "large": 2.0}
@@ -46,34 +61,17 @@ class Scale:
         return self.neutral + factor * (self.middle[name] - self.neutral)
 
 
-_AMID: Interval = (0.28, 0.38)  # where the ball passes most often in the moves of `harness.simulator.moves` [m]
+def scales() -> dict[str, Scale]:
+    """Every effect of the catalogue that says how large it is in a trial."""
+    return {name: _scale(effect, effect.trial) for name, effect in CATALOGUE.items() if effect.trial is not None}
 
-SCALES: Mapping[str, Scale] = {
-    "viscous_damping": Scale(middle={"coefficient": 0.03}),
-    "quadratic_drag": Scale(middle={"coefficient": 0.2}),
-    "rolling_resistance": Scale(middle={"coefficient": 0.004}),
-    "directional_resistance": Scale(middle={"coefficient_plus": 0.002, "coefficient_minus": 0.005}),
-    "stribeck_friction": Scale(
-        middle={"static_coefficient": 0.006, "kinetic_coefficient": 0.003}, fixed={"stribeck_velocity": (0.015, 0.03)}
-    ),
-    "presliding_hysteresis": Scale(middle={"coefficient": 0.004}, fixed={"stiffness": (15.0, 50.0)}),
-    "level_error": Scale(middle={"angle": 0.005}, signed=True),
-    "track_curvature": Scale(middle={"curvature": 0.06}, fixed={"centre": _AMID}, signed=True),
-    "track_bump": Scale(middle={"height": 2e-4}, fixed={"centre": _AMID, "width": (0.015, 0.025)}, signed=True),
-    "beam_compliance": Scale(middle={"compliance": 0.02}),
-    "ball_imbalance": Scale(middle={"offset": 5e-5}),
-    # smaller only: the ball cannot roll on more than its own radius
-    "rolling_radius": Scale(middle={"radius": 0.0105}, neutral=Rig().rolling_radius),
-    # in the virtual rig's moves the ball keeps its grip from about μ = 0.019 on
-    "contact_slip": Scale(middle={"friction_coefficient": 0.012}, neutral=0.019),
-    "eccentric_pivot": Scale(middle={"eccentricity": Rig().eccentricity}),
-    "angle_gain": Scale(middle={"gain": 1.05}, neutral=1.0, signed=True),
-    "linkage_backlash": Scale(middle={"width": 0.0087}),
-    "channel_delay": Scale(middle={"delay": 0.05}, signed=True),
-    "position_gain": Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
-    "position_lag": Scale(middle={"time_constant": 0.04}),
-}
-"""Every effect of the catalogue."""
+
+def _scale(effect: Effect, size: TrialSize) -> Scale:
+    neutral = effect.parameters[0].neutral_on(Rig()) if size.neutral is None else size.neutral
+    return Scale(middle=size.middle, fixed=size.fixed, neutral=neutral, signed=size.signed)
+
+
+_AMID: Interval = (0.28, 0.38)  # where the ball passes most often in the moves of `harness.simulator.moves` [m]
 
 UNLISTED_SCALES: Mapping[str, Scale] = {
     "gust": Scale(middle={"force": 0.008}, fixed={"start": (3.0, 6.0), "end": (8.0, 13.0)}, signed=True),
@@ -90,19 +88,33 @@ UNLISTED_SCALES: Mapping[str, Scale] = {
 }
 """Every structure that no catalogue has."""
 
-PAIRS = (
-    ("rolling_resistance", "level_error"),
-    ("viscous_damping", "level_error"),
-    ("rolling_resistance", "channel_delay"),
-    ("track_curvature", "viscous_damping"),
-    ("angle_gain", "level_error"),
-    ("linkage_backlash", "rolling_resistance"),
+PAIRS = tuple(
+    (one.name, other.name)
+    for one, other in (
+        (ROLLING_RESISTANCE, LEVEL_ERROR),
+        (VISCOUS_DAMPING, LEVEL_ERROR),
+        (ROLLING_RESISTANCE, CHANNEL_DELAY),
+        (TRACK_CURVATURE, VISCOUS_DAMPING),
+        (ANGLE_GAIN, LEVEL_ERROR),
+        (LINKAGE_BACKLASH, ROLLING_RESISTANCE),
+    )
 )
 """Effects that act together."""
 
-POWER = (
-    "rolling_resistance", "viscous_damping", "level_error", "track_curvature", "rolling_radius", "angle_gain",
-    "linkage_backlash", "channel_delay", "position_gain", "position_lag",
-)  # fmt: skip
+POWER = tuple(
+    effect.name
+    for effect in (
+        ROLLING_RESISTANCE,
+        VISCOUS_DAMPING,
+        LEVEL_ERROR,
+        TRACK_CURVATURE,
+        ROLLING_RADIUS,
+        ANGLE_GAIN,
+        LINKAGE_BACKLASH,
+        CHANNEL_DELAY,
+        POSITION_GAIN,
+        POSITION_LAG,
+    )
+)
 """Effects whose detection is followed down to sizes that go unseen."""
 POWER_FACTORS = (0.01, 0.03, 0.1)

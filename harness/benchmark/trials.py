@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
+from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
+from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, UNLISTED_SCALES, scales
 from harness.errors import InputError
 
 Values = dict[str, dict[str, float]]
@@ -21,16 +22,12 @@ FINE, PAPER = 40_000, 4_096  # counts per turn
 RIG = "virtual_rig"
 # The engines' scenes take two places of five, each with either encoder in turn.
 PLANTS = (RIG, RIG, RIG, "mujoco", "pybullet")
-# An engine's ball cannot be made to slide by a force along the beam, and hops where the gap of a linkage closes.
-RIGS_ALONE = ("contact_slip", "linkage_backlash")
-PIVOT = "eccentric_pivot"
 
 _SEED = 20230202  # the paper's year, month and day
 _SPIKED, _SPIKES = 0.2, 0.005  # share of trials that have spikes, and of their readings
 _NOISE = (0.2e-3, 0.6e-3)  # of the position [m]
 # What the owner of a rig may have declared, with its probability and range; the sign of a level error is drawn.
 _ROLLING, _LEVEL = (0.6, 0.001, 0.004), (0.25, 0.001, 0.005)
-_DRY = {"rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +111,7 @@ def _null(count: int) -> Iterator[Trial]:
 
 def _confusion(seeds: int) -> Iterator[Trial]:
     """Every effect at every size, then unlisted structures and pairs at the middle one."""
-    for row, name in enumerate(SCALES):
+    for row, name in enumerate(scales()):
         for column, factor in enumerate(SIZES.values()):
             for number in range(seeds):
                 yield _trial("confusion", (name,), factor, number, fine=(row + column + number) % 2 == 0)
@@ -134,14 +131,15 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
     name = " + ".join(names) or "none"
     # crc32 rather than hash(): the same in every process
     generator = np.random.default_rng((_SEED, zlib.crc32(f"{study} {name} {factor:g} {number}".encode())))
-    hidden = {each: SCALES[each].drawn(factor, generator) for each in names if each in SCALES}
+    listed = scales()
+    hidden = {each: listed[each].drawn(factor, generator) for each in names if each in listed}
     unlisted = {each: UNLISTED_SCALES[each].drawn(factor, generator) for each in names if each in UNLISTED_SCALES}
     return Trial(
         study=study,
         name=name,
         factor=factor,
         number=number,
-        plant=RIG if set(RIGS_ALONE) & set(hidden) else PLANTS[number % len(PLANTS)],
+        plant=PLANTS[number % len(PLANTS)] if all(map(in_engines, hidden)) else RIG,
         counts=FINE if fine else PAPER,
         noise=round(float(generator.uniform(*_NOISE)), 6),
         spikes=_SPIKES if generator.uniform() < _SPIKED else 0.0,
@@ -152,15 +150,22 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
     )
 
 
+def in_engines(name: str) -> bool:
+    """Whether the engines' scenes can show this effect."""
+    size = CATALOGUE[name].trial
+    return size is not None and size.engines
+
+
 def _declared(generator: np.random.Generator, hidden: Values) -> Values:
     """What acts and is declared; nothing that would make the hidden effect one of degree."""
     declared: Values = {}
     probability, low, high = _ROLLING
     rolling = generator.uniform() < probability, float(generator.uniform(low, high))
-    if rolling[0] and not _DRY & set(hidden):
-        declared["rolling_resistance"] = {"coefficient": round(rolling[1], 5)}
+    like_it = set(ROLLING_RESISTANCE.relations.nested_in)
+    if rolling[0] and not any(like_it & set(CATALOGUE[name].relations.nested_in) for name in hidden):
+        declared[ROLLING_RESISTANCE.name] = {"coefficient": round(rolling[1], 5)}
     probability, low, high = _LEVEL
     level = generator.uniform() < probability, float(generator.uniform(low, high) * generator.choice((-1.0, 1.0)))
-    if level[0] and "level_error" not in hidden:
-        declared["level_error"] = {"angle": round(level[1], 5)}
+    if level[0] and LEVEL_ERROR.name not in hidden:
+        declared[LEVEL_ERROR.name] = {"angle": round(level[1], 5)}
     return declared

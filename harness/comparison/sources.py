@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.effects import recorded_with, rig_with
+from analytic.effects import rig_with, sensor_with
 from analytic.kernel import Grid, integrate
 from analytic.models import Model
 from analytic.motion import FloatArray, State
@@ -69,9 +69,10 @@ def run_models(
 
 def _record(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
     """Turn a source's positions, shape (runs, n), into what the sensor records of them, in place."""
+    sensor = sensor_with(setting.acting)
     for run, where in zip(position, horizon.slices(), strict=True):
         if np.isfinite(run[where]).any():
-            run[where] = recorded_with(setting.time[where], run[where], setting.acting)
+            run[where] = sensor.recorded(setting.time[where], run[where])
 
 
 def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, horizon: Horizon) -> SourceRuns:

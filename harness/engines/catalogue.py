@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -11,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from analytic.naming import did_you_mean
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import InputError
 
@@ -79,8 +79,7 @@ def parameters_of(engine: Engine, settings: Mapping[str, Any]) -> EngineParamete
     fields = engine.parameters.model_fields
     for name in settings:
         if name not in fields:
-            near = difflib.get_close_matches(name, fields, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
+            hint = did_you_mean(name, fields)
             raise InputError(f"{engine.name} has no parameter {name!r}.{hint} There are: {', '.join(fields)}.")
     try:
         return engine.parameters(**settings)

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from analytic.compiled import njit
-from analytic.effects import Acting, motion_with, parameters_with
+from analytic.effects import Acting, motion_with, parameters_with, transmission_with
 from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, DAHL, DAHL_STIFFNESS, ORIGIN, RESPONSE, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray, SplineMotion
@@ -32,28 +33,26 @@ def force_of(
     time_step: float,
     *,
     origin: float = 0.0,
+    phase: float = 0.0,
     law: Callable[[FloatArray, float], None] | None = None,
 ) -> BallForce | None:
     """The force that stands for `effects` in an engine that steps by `time_step` [s]; `None` where none is a force.
 
     What effects do to the rig, to the angle and to the sensor is not in it: the engine is to be given the rig and the
-    motion as they then are (`analytic.effects`), and slipping by its own friction coefficient.
+    motion as they then are (`analytic.effects`), and slipping by its own parameters (`engine_settings`).
 
     Args:
         motion: of the beam.
         stamps: the run's stamps, shape (n,) [s]; the motion is tabulated over them once.
         origin: position from which the rolled angle counts [m].
+        phase: φ₀, how the ball lies there, where that matters [rad].
         law: one that no catalogue lists: called with the kernel's vector, shape (SLOTS,), and the time [s] before every
             step, it writes itself into the vector.
     """
-    effects = [
-        one
-        for one in effects
-        if (one.effect.write is not None or one.effect.force is not None) and one.effect.name != "contact_slip"
-    ]
+    effects = [one for one in effects if one.effect.pushes]
     if not effects and law is None:
         return None
-    bare, full = coefficients(CAM, rig), parameters_with(CAM, rig, effects)
+    bare, full = coefficients(CAM, rig), parameters_with(CAM, rig, effects, phase=phase)
     full[ORIGIN] = origin
     dry = law is not None or any(one.effect.dry for one in effects)
     begin = float(stamps[0])
@@ -77,6 +76,15 @@ def force_of(
     return force
 
 
+def engine_settings(effects: Sequence[Acting], engine: str) -> dict[str, Any]:
+    """Parameters of this engine that stand for `effects`."""
+    settings: dict[str, Any] = {}
+    for one in effects:
+        if one.effect.engine.settings:
+            settings |= one.effect.engine.settings[engine](one.values)
+    return settings
+
+
 def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: FloatArray) -> BeamMotion:
     """The beam's motion with `effects`, its corners rounded where a gap closes.
 
@@ -84,7 +92,7 @@ def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: Flo
     linkages give way by as much. The angle is averaged over 40 ms, which leaves the ball's run along the beam as it is.
     """
     turned = motion_with(motion, stamps, effects)
-    if not any(one.effect.name == "linkage_backlash" for one in effects):
+    if transmission_with(effects).play == 0.0:
         return turned
     time = np.arange(stamps[0], stamps[-1] + _CORNER_STEP, _CORNER_STEP)
     angle = turned.evaluate(np.minimum(time, stamps[-1]))

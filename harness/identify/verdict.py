@@ -8,7 +8,6 @@ from enum import StrEnum
 
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.problem.hypothesis import size
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Depends, Shape
 from harness.identify.selection.candidates import candidates, found_in
@@ -157,7 +156,7 @@ def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> t
         key = tried[0].parameters[0]
         error = problem.settings.inflation * line.fit.deviations()[name, key.name]
         limit = criterion.detection_limit(line.fit.readings, len(tried[0].parameters))
-        if not error or size((name, key.name), key, problem.rig) / error < limit:
+        if not error or key.size(problem.rig) / error < limit:
             unseen.append(name)
     return tuple(unseen)
 

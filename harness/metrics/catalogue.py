@@ -5,13 +5,13 @@ A field's name ends in its unit; dimensionless ones have none.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Any
 
+from analytic.naming import did_you_mean
 from harness.errors import InputError
 
 
@@ -137,6 +137,5 @@ def find_metric(name: str) -> Metric:
     key = name.strip().lower()
     if key in _BY_ANY_NAME:
         return _BY_ANY_NAME[key]
-    near = difflib.get_close_matches(key, _BY_ANY_NAME, n=3)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(METRICS)}"
-    raise InputError(f"there is no metric {name!r}; {hint}")
+    hint = did_you_mean(key, _BY_ANY_NAME) or f" Known are {', '.join(METRICS)}."
+    raise InputError(f"there is no metric {name!r}.{hint}")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from analytic.naming import did_you_mean
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording.findings import Finding, quoted
@@ -62,9 +62,8 @@ def load_case(path: str | Path) -> Case:
     path = Path(path)
     if not path.exists():
         names = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-        close = difflib.get_close_matches(path.name, names, 1)
-        hint = f"Did you mean {path.parent / close[0]}?" if close else "Check the path."
-        raise InputError(f"{path}: there is no such file or folder. {hint}")
+        hint = did_you_mean(path.name, names) or " Check the path."
+        raise InputError(f"{path}: there is no such file or folder.{hint}")
     if path.is_dir():
         if (path / RIG_FILE).exists():
             return _with_rig_file(path, path / RIG_FILE)
@@ -148,8 +147,7 @@ def _lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tuple[str, ..
     missing = [name for name in listed if not (folder / name).is_file()]
     if missing:
         present = _csv_names(folder)
-        close = difflib.get_close_matches(missing[0], present, 1)
-        hint = f" Did you mean '{close[0]}'?" if close else ""
+        hint = did_you_mean(missing[0], present)
         raise InputError(
             f"{file}: [recordings] lists {quoted(missing)}, which {folder} does not hold.{hint} "
             f"It holds {quoted(present)}. Correct the list or add the file."

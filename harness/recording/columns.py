@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from analytic.naming import did_you_mean
 from harness.errors import InputError
 from harness.recording.findings import Finding, place, quoted
 
@@ -185,6 +185,6 @@ def _refuse_near_miss(where: str, candidate: str, name: QuantityName) -> None:
                 f"Known are {', '.join(quantity.units)}."
             )
     known = [f"{quantity.name}_{unit}" for unit in quantity.units]
-    close = difflib.get_close_matches("_".join(words), known, 1, 0.8)
-    if close:
-        raise InputError(f"{where}: column '{candidate}' is not known. Did you mean '{close[0]}'?")
+    hint = did_you_mean("_".join(words), known, likeness=0.8)
+    if hint:
+        raise InputError(f"{where}: column '{candidate}' is not known.{hint}")

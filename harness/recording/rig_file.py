@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from analytic.naming import did_you_mean
 from analytic.rig import RigError
 from harness.errors import InputError
 from harness.recording.findings import Finding
@@ -197,7 +197,7 @@ def _advice(error: Any) -> str:
     if kind == "extra_forbidden":
         return _unknown(location, value)
     if kind == "missing":
-        return f'{where} is missing. Name the effect, such as name = "rolling_resistance".'
+        return f"{where} is missing. Name the effect as the catalogue in docs/diagnosis.md does."
     if kind == "float_type":
         return f"{where} = {value!r} is not a number. Write a plain number such as 0.0132, without quotes or unit."
     if kind in ("string_type", "list_type"):
@@ -220,20 +220,15 @@ def _unknown(location: tuple[str | int, ...], value: object) -> str:
     key = str(location[-1])
     if len(location) == 1 and isinstance(value, dict | list):
         tables = tuple(_RigFile.model_fields)
-        return f"[{key}] is no known table.{_did_you_mean(key, tables)} Tables are {', '.join(tables)}."
+        return f"[{key}] is no known table.{did_you_mean(key, tables)} Tables are {', '.join(tables)}."
     home = next((table for table, keys in KEYS.items() if key in keys), None)
     if home is not None:
         return f"{_key(location) if len(location) > 1 else key} stands in the wrong place. Move it under [{home}]."
     if len(location) == 1:
         every = tuple(name for keys in KEYS.values() for name in keys)
-        return f"{key} stands in no table and is not known.{_did_you_mean(key, every)}"
+        return f"{key} stands in no table and is not known.{did_you_mean(key, every)}"
     keys = KEYS[str(location[0])]
-    return f"{_key(location)} is not known.{_did_you_mean(key, keys)} Keys of [{location[0]}] are {', '.join(keys)}."
-
-
-def _did_you_mean(word: str, known: tuple[str, ...]) -> str:
-    close = difflib.get_close_matches(word, known, 1, 0.6)
-    return f" Did you mean {close[0]}?" if close else ""
+    return f"{_key(location)} is not known.{did_you_mean(key, keys)} Keys of [{location[0]}] are {', '.join(keys)}."
 
 
 def _more(error: ValidationError) -> str:

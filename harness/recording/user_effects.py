@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import runpy
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -12,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from analytic.effects import CATALOGUE, Effect, EffectError, Force, joined
+from analytic.effects import CATALOGUE, Effect, EffectError, Force, SensorLaw, joined
 from analytic.effects.force import Values
 from analytic.motion import FloatArray
 from analytic.rig import Rig
@@ -77,25 +78,35 @@ def read_effects(file: Path) -> tuple[Effect, ...]:
 
 def _checked(file: Path, effect: Effect) -> Effect:
     """The same effect, whose errors are told with their place; its force has been computed all over its bounds."""
-    if effect.sense is not None:
-        raise InputError(
-            f"{file}: {effect.name}: an effect of your own cannot act on the sensor, for the filter knows its sensors "
-            "by name. Leave out `sense`; it can be a force, or alter, turn or write."
-        )
     guarded: dict[str, Any] = {
         name: _guarded(file, effect.name, getattr(effect, name))
-        for name in ("write", "alter", "turn")
+        for name in ("write", "alter", "turn", "transmission", "sensor")
         if getattr(effect, name) is not None
     }
+    typical = {one.name: one.typical for one in effect.parameters}
+    corners = itertools.product(*({one.low, one.high, *one.fixed_starts} for one in effect.parameters))
+    every = (typical, *(dict(zip(typical, corner, strict=True)) for corner in corners))
+    if effect.sensor is not None:
+        for values in every:
+            _check_sensor(f"{file}: {effect.name}", guarded["sensor"](values), values)
     if effect.force is not None:
         law = _guarded(file, effect.name, effect.force.law)
         force = guarded["force"] = OwnForce(effect.force.by, law, effect.force.over, f"{file}: {effect.name}")
-        rig = Rig()
-        typical = {one.name: one.typical for one in effect.parameters}
-        corners = itertools.product(*({one.low, one.high, *one.starts} for one in effect.parameters))
-        for values in (typical, *(dict(zip(typical, corner, strict=True)) for corner in corners)):
-            force.sampled(rig, values)
+        for values in every:
+            force.sampled(Rig(), values)
     return replace(effect, **guarded)
+
+
+def _check_sensor(place: str, law: object, values: Values) -> None:
+    """Refuse what the filter cannot take for a sensor."""
+    given = ", ".join(f"{name} = {value:g}" for name, value in values.items())
+    if not isinstance(law, SensorLaw):
+        raise InputError(f"{place}: sensor gives {law!r} with {given}. Let it give a SensorLaw.")
+    if not (all(map(math.isfinite, (law.gain, law.lag, law.delay))) and law.gain and law.lag >= 0.0):
+        raise InputError(
+            f"{place}: with {given} the sensor has the gain {law.gain:g}, the lag {law.lag:g} s and the delay "
+            f"{law.delay:g} s. Narrow the bounds, or correct the law: no gain of 0, no negative lag."
+        )
 
 
 def _guarded(file: Path, name: str, function: Callable[..., Any]) -> Callable[..., Any]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from analytic.effects import CATALOGUE, Parameter
 from analytic.rig import Rig
 from harness.formatting import measured, number
 from harness.identify.diagnosis import Diagnosis
@@ -16,43 +17,6 @@ from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
 _LISTED = 5  # of many names, before the rest is counted
 
-# What each effect is called with its values in it; {declared} is what the rig said.
-_PHRASES: Mapping[str, str] = {
-    "viscous_damping": "a viscous damping of {coefficient}",
-    "quadratic_drag": "a quadratic drag of {coefficient}",
-    "rolling_resistance": "a rolling resistance of {coefficient}",
-    "directional_resistance": "a rolling resistance of {coefficient_plus} towards +s, {coefficient_minus} towards −s",
-    "stribeck_friction": "a Stribeck friction that falls from {static_coefficient} at rest to {kinetic_coefficient}, "
-    "within {stribeck_velocity},",
-    "presliding_hysteresis": "a rolling resistance of {coefficient} with an elastic presliding of {stiffness}",
-    "level_error": "a level error of {angle}",
-    "track_curvature": "a track curvature of {curvature} about s = {centre}",
-    "track_bump": "a bump of the track of {height} at s = {centre}, {width} wide,",
-    "beam_compliance": "a beam compliance of {compliance}",
-    "ball_imbalance": "a ball out of balance by {offset}",
-    "rolling_radius": "a rolling radius of {radius} instead of {declared}",
-    "contact_slip": "a slip of the ball at a friction coefficient of {friction_coefficient}",
-    "eccentric_pivot": "a pivot eccentricity of {eccentricity}",
-    "angle_gain": "a gain of {gain} between measured and real beam angle",
-    "linkage_backlash": "a linkage backlash of {width}",
-    "channel_delay": "a delay of {delay} of the position against the angle",
-    "position_gain": "a gain of {gain} between real and recorded position",
-    "position_lag": "a lag of {time_constant} of the position sensor",
-}
-# Units in which these quantities are spoken of, where SI's own are not: (unit, factor to it).
-_MILLIMETRES, _DEGREES = ("mm", 1e3), ("°", float(np.degrees(1.0)))
-_SPOKEN: Mapping[tuple[str, str], tuple[str, float]] = {
-    ("track_bump", "height"): _MILLIMETRES,
-    ("track_bump", "width"): _MILLIMETRES,
-    ("ball_imbalance", "offset"): ("µm", 1e6),
-    ("rolling_radius", "radius"): _MILLIMETRES,
-    ("eccentric_pivot", "eccentricity"): _MILLIMETRES,
-    ("level_error", "angle"): _DEGREES,
-    ("linkage_backlash", "width"): _DEGREES,
-    ("channel_delay", "delay"): ("ms", 1e3),
-    ("position_lag", "time_constant"): ("ms", 1e3),
-    ("stribeck_friction", "stribeck_velocity"): ("mm/s", 1e3),
-}
 DEPENDENCES: Mapping[Depends, str] = {
     Depends.POSITION: "the ball's position",
     Depends.VELOCITY: "the ball's velocity",
@@ -98,16 +62,20 @@ def sentence(diagnosis: Diagnosis) -> str:
 
 def phrase(finding: IdentifiedEffect, rig: Rig) -> str:
     """An effect with its values: `a rolling resistance of 0.0041 ± 0.0002`."""
-    said = {key: _value(finding.name, key, each) for key, each in finding.parameters.items()}
-    known = _PHRASES.get(finding.name)
-    if known is not None:
-        return known.format(**said, declared=f"{number(1e3 * rig.rolling_radius, 4)} mm")
+    effect = CATALOGUE.get(finding.name)
+    known = {} if effect is None else {one.name: one for one in effect.parameters}
+    said = {key: _value(known.get(key), each) for key, each in finding.parameters.items()}
+    if effect is not None and effect.phrase:
+        first = effect.parameters[0]
+        unit, factor = first.shown or (first.unit, 1.0)
+        return effect.phrase.format(**said, declared=f"{number(factor * first.neutral_on(rig), 4)} {unit}")
     name = words(finding.name)
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name} ({', '.join(f'{words(k)} {v}' for k, v in said.items())})"
 
 
-def _value(effect: str, key: str, one: Estimate) -> str:
-    unit, factor = _SPOKEN.get((effect, key), ("" if one.unit == "1" else one.unit, 1.0))
+def _value(parameter: Parameter | None, one: Estimate) -> str:
+    shown = None if parameter is None else parameter.shown
+    unit, factor = shown or ("" if one.unit == "1" else one.unit, 1.0)
     text = measured(factor * one.value, 0.5 * factor * (one.high - one.low))
     return text + (unit if unit == "°" else f" {unit}" if unit else "")
 

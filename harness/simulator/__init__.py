@@ -6,7 +6,7 @@ beam pushes through contact impulses (`contact`), never a reduced equation along
 
 from harness.simulator.case_folder import truth, write_case
 from harness.simulator.channel import Channel
-from harness.simulator.effects import CATALOGUE, UNLISTED, Effects
+from harness.simulator.effects import UNLISTED, Effects
 from harness.simulator.experiment import Experiment, SimulatedRecording
 from harness.simulator.linkage import Linkage
 from harness.simulator.plant import Plant, Run, simulate
@@ -25,7 +25,6 @@ from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
 
 __all__ = [
-    "CATALOGUE",
     "UNLISTED",
     "Channel",
     "Controller",

@@ -3,28 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
+from analytic.effects import (
+    BALL_IMBALANCE,
+    BEAM_COMPLIANCE,
+    CONTACT_SLIP,
+    DIRECTIONAL_RESISTANCE,
+    ECCENTRIC_PIVOT,
+    LEVEL_ERROR,
+    PRESLIDING_HYSTERESIS,
+    QUADRATIC_DRAG,
+    ROLLING_RESISTANCE,
+    STRIBECK_FRICTION,
+    TRACK_BUMP,
+    TRACK_CURVATURE,
+    VISCOUS_DAMPING,
+)
 from analytic.rig import Rig
-from harness.simulator.effects import Effects
 from harness.simulator.laws import Laws
+
+if TYPE_CHECKING:
+    from harness.simulator.effects import Effects
 
 Fields = Callable[[dict[str, float], Rig], dict[str, float]]
 
 _FIELDS: dict[str, Fields] = {
-    "viscous_damping": lambda v, rig: {"viscous": v["coefficient"]},
-    "quadratic_drag": lambda v, rig: {"quadratic": v["coefficient"]},
-    "directional_resistance": lambda v, rig: {"plus": v["coefficient_plus"], "minus": v["coefficient_minus"]},
-    "stribeck_friction": lambda v, rig: {
+    VISCOUS_DAMPING.name: lambda v, rig: {"viscous": v["coefficient"]},
+    QUADRATIC_DRAG.name: lambda v, rig: {"quadratic": v["coefficient"]},
+    DIRECTIONAL_RESISTANCE.name: lambda v, rig: {"plus": v["coefficient_plus"], "minus": v["coefficient_minus"]},
+    STRIBECK_FRICTION.name: lambda v, rig: {
         "plus": v["kinetic_coefficient"],
         "minus": v["kinetic_coefficient"],
         "static_excess": v["static_coefficient"] - v["kinetic_coefficient"],
         "stribeck_velocity": v["stribeck_velocity"],
     },
-    "track_curvature": lambda v, rig: {"curvature": v["curvature"], "curvature_centre": v["centre"]},
-    "track_bump": lambda v, rig: {"bump": v["height"], "bump_centre": v["centre"], "bump_width": v["width"]},
-    "ball_imbalance": lambda v, rig: {"imbalance": rig.mass * rig.gravity * v["offset"]},
-    "beam_compliance": lambda v, rig: {"compliance": v["compliance"] * rig.mass * rig.gravity},
-    "presliding_hysteresis": lambda v, rig: {
+    TRACK_CURVATURE.name: lambda v, rig: {"curvature": v["curvature"], "curvature_centre": v["centre"]},
+    TRACK_BUMP.name: lambda v, rig: {"bump": v["height"], "bump_centre": v["centre"], "bump_width": v["width"]},
+    BALL_IMBALANCE.name: lambda v, rig: {"imbalance": rig.mass * rig.gravity * v["offset"]},
+    BEAM_COMPLIANCE.name: lambda v, rig: {"compliance": v["compliance"] * rig.mass * rig.gravity},
+    PRESLIDING_HYSTERESIS.name: lambda v, rig: {
         "presliding": v["coefficient"],
         "presliding_stiffness": v["stiffness"],
     },
@@ -44,6 +62,9 @@ _FIELDS: dict[str, Fields] = {
     "sticky_spot": lambda v, rig: {"spot": v["coefficient"], "spot_width": v["width"]},
     "out_of_round": lambda v, rig: {"oval": v["torque"]},
 }
+# The last four are no fields of the laws but the plant's own (`Plant.with_effects`).
+OWN_LAWS = frozenset((*_FIELDS, LEVEL_ERROR.name, ECCENTRIC_PIVOT.name, ROLLING_RESISTANCE.name, CONTACT_SLIP.name))
+"""Names of what acts on the plant's ball by a law of its own."""
 _ADDED = ("plus", "minus")  # resistances of both kinds act together
 
 

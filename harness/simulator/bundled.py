@@ -11,6 +11,7 @@ import math
 from importlib.resources import files
 from pathlib import Path
 
+from analytic import effects
 from analytic.rig import Rig
 from harness.simulator.plant import Plant, Run
 from harness.simulator.protocol import Controller, Protocol, Record, Sensors, perform, recording_text
@@ -79,7 +80,7 @@ def truth_text() -> str:
     truth = {
         "origin": ORIGIN,
         "effects": [
-            {"name": "rolling_resistance", "parameters": {"coefficient": ROLLING_RESISTANCE}},
+            {"name": effects.ROLLING_RESISTANCE.name, "parameters": {"coefficient": ROLLING_RESISTANCE}},
         ],
         "unlisted": None,
         "declared": [],

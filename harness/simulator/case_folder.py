@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from analytic.effects import ECCENTRIC_PIVOT
 from harness.simulator.effects import UNLISTED, Effects
 from harness.simulator.experiment import Experiment, SimulatedRecording
 from harness.simulator.protocol import Record, recording_text
@@ -24,7 +25,7 @@ def rig_text(experiment: Experiment) -> str:
         f'[[declared]]\nname = "{name}"\n' + "".join(f"{key} = {value!r}\n" for key, value in values.items()) + "\n"
         for name, values in experiment.declared.items()
     )
-    eccentricity = "" if "eccentric_pivot" in experiment.hidden else f"eccentricity_m = {rig.eccentricity!r}\n"
+    eccentricity = "" if ECCENTRIC_PIVOT.name in experiment.hidden else f"eccentricity_m = {rig.eccentricity!r}\n"
     level = f"level_angle_rad = {rig.level_angle!r}\n" if rig.level_angle else ""
     names = _names(experiment)
     identify, predict = names[: experiment.identify], names[experiment.identify :]

@@ -1,17 +1,19 @@
-"""What can act in the virtual rig, by name: the parameters of every effect, their units and bounds.
+"""What can act in the virtual rig, by name.
 
-The names, laws and parameters of `CATALOGUE` are a public contract; `UNLISTED` holds structures that no catalogue of a
-model under test has, each with the quantities it depends on.
+The catalogue's effects have names, parameters and bounds from there (`analytic.effects`) and laws of the plant's own;
+`UNLISTED` holds structures that no catalogue of a model under test has, each with the quantities it depends on.
 """
 
 from __future__ import annotations
 
-import difflib
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from analytic.effects import CATALOGUE, STRIBECK_FRICTION, Acting, EffectError, acting
+from analytic.effects.catalogue import check_values
+from analytic.naming import did_you_mean
 from harness.errors import InputError
+from harness.simulator.acting import OWN_LAWS
 
 Effects = Mapping[str, Mapping[str, float]]
 """What acts: name -> values of its parameters (SI)."""
@@ -30,17 +32,17 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Entry:
-    """One effect.
+    """One structure that no catalogue has.
 
     Attributes:
         law: one line; c, F, s_c … are the parameters.
         parameters: by name, in the order of the law.
-        depends_on: what an unlisted force depends on, strongest first; empty for the catalogue's own.
+        depends_on: on what, strongest first.
     """
 
     law: str
     parameters: Mapping[str, Bounds]
-    depends_on: tuple[str, ...] = ()
+    depends_on: tuple[str, ...]
 
 
 _NUMBER = Bounds("1", 0.0, 1.0)
@@ -48,46 +50,6 @@ _PLACE = Bounds("m", -10.0, 10.0)
 _LENGTH = Bounds("m", 1e-3, 10.0)
 _FORCE = Bounds("N", -1.0, 1.0)
 _INSTANT = Bounds("s", -1e6, 1e6)
-
-CATALOGUE: Mapping[str, Entry] = {
-    "viscous_damping": Entry("F = −c ṡ", {"coefficient": Bounds("N s/m", 0.0, 10.0)}),
-    "quadratic_drag": Entry("F = −c |ṡ| ṡ", {"coefficient": Bounds("N s²/m²", 0.0, 100.0)}),
-    "rolling_resistance": Entry("|F| <= c N against rolling, set-valued", {"coefficient": _NUMBER}),
-    "directional_resistance": Entry(
-        "|F| <= c₊ N or c₋ N by the direction of rolling, set-valued",
-        {"coefficient_plus": _NUMBER, "coefficient_minus": _NUMBER},
-    ),
-    "stribeck_friction": Entry(
-        "|F| <= c N, c = c_k + (c_s − c_k) exp(−(ṡ/v_s)²), set-valued",
-        {
-            "static_coefficient": _NUMBER,
-            "kinetic_coefficient": _NUMBER,
-            "stribeck_velocity": Bounds("m/s", 1e-4, 10.0),
-        },
-    ),
-    "level_error": Entry("gravity sees α + angle", {"angle": Bounds("rad", -0.2, 0.2)}),
-    "track_curvature": Entry("tilt grows by κ (s_c − s)", {"curvature": Bounds("1/m", -1.0, 1.0), "centre": _PLACE}),
-    "track_bump": Entry(
-        "the descent of H exp(−½ ((s − s_c)/w)²) adds to the tilt",
-        {"height": Bounds("m", -0.01, 0.01), "centre": _PLACE, "width": _LENGTH},
-    ),
-    "ball_imbalance": Entry("torque m g e sin(φ + φ₀), φ₀ free per recording", {"offset": Bounds("m", -0.005, 0.005)}),
-    "rolling_radius": Entry("r differs from the declared one", {"radius": Bounds("m", 1e-4, 1.0)}),
-    "contact_slip": Entry("|F_t| <= μ N R/r; beyond it the ball slides", {"friction_coefficient": _NUMBER}),
-    "angle_gain": Entry("beam angle = gain × measured angle", {"gain": Bounds("1", 0.1, 10.0)}),
-    "linkage_backlash": Entry(
-        "play of total width b between measured angle and beam", {"width": Bounds("rad", 0, 0.2)}
-    ),
-    "beam_compliance": Entry("tilt grows by compliance × m g s", {"compliance": Bounds("rad/(N m)", -1.0, 1.0)}),
-    "channel_delay": Entry("the position at t is recorded at t + delay", {"delay": Bounds("s", -1.0, 1.0)}),
-    "position_gain": Entry("recorded position = gain × position", {"gain": Bounds("1", 0.1, 10.0)}),
-    "position_lag": Entry("first-order lag of the position", {"time_constant": Bounds("s", 0.0, 5.0)}),
-    "presliding_hysteresis": Entry(
-        "F = −σ z, dz/dt = ṡ − |ṡ| z σ/(c N)",
-        {"coefficient": _NUMBER, "stiffness": Bounds("N/m", 1e-2, 1e5)},
-    ),
-    "eccentric_pivot": Entry("the pivot lies h below the edges", {"eccentricity": Bounds("m", -1.0, 1.0)}),
-}
 
 UNLISTED: Mapping[str, Entry] = {
     "gust": Entry("F from one instant to another", {"force": _FORCE, "start": _INSTANT, "end": _INSTANT}, ("time",)),
@@ -131,7 +93,7 @@ _ORDERED = {
     "gust": ("start", "end"),
     "rough_patch": ("start", "end"),
     "force_hill": ("start", "end"),
-    "stribeck_friction": ("kinetic_coefficient", "static_coefficient"),
+    STRIBECK_FRICTION.name: ("kinetic_coefficient", "static_coefficient"),
 }
 """Parameters of which the first may not exceed the second."""
 
@@ -142,26 +104,36 @@ def checked(effects: Effects) -> dict[str, dict[str, float]]:
     Raises:
         InputError: unknown effect or parameter, a missing parameter, or a value that cannot be.
     """
-    known = {**CATALOGUE, **UNLISTED}
     result: dict[str, dict[str, float]] = {}
     for name, values in effects.items():
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
-            raise InputError(f"the virtual rig has no effect {name!r}.{hint} There are: {', '.join(known)}.")
-        parameters = known[name].parameters
-        if set(values) != set(parameters):
-            raise InputError(
-                f"{name} has the parameters {', '.join(parameters)}; given: {', '.join(values) or 'none'}."
-            )
-        for key, bounds in parameters.items():
-            value = values[key]
-            if not (math.isfinite(value) and bounds.low <= value <= bounds.high):
+        try:
+            if name in UNLISTED:  # also where an effect of a user's own is called like one: the plant's law is its own
+                check_values(name, UNLISTED[name].parameters, values)
+            elif name in CATALOGUE:
+                _refuse_without_law(acting(name, values))
+            else:
+                known = (*CATALOGUE, *UNLISTED)
                 raise InputError(
-                    f"{name}: {key} is {value:g}; it must lie between {bounds.low:g} and {bounds.high:g} {bounds.unit}."
+                    f"the virtual rig has no effect {name!r}.{did_you_mean(name, known)} There are: {', '.join(known)}."
                 )
+        except EffectError as error:
+            raise InputError(str(error)) from error
         low, high = _ORDERED.get(name, (None, None))
         if low is not None and high is not None and values[low] > values[high]:
             raise InputError(f"{name}: {low} is {values[low]:g}, more than {high} = {values[high]:g}; exchange them.")
-        result[name] = {key: float(values[key]) for key in parameters}
+        result[name] = {key: float(value) for key, value in values.items()}
     return result
+
+
+def listed(effects: Effects) -> tuple[Acting, ...]:
+    """Those of `effects` (already checked) that are the catalogue's and no unlisted structure."""
+    return tuple(Acting(CATALOGUE[name], values) for name, values in effects.items() if name not in UNLISTED)
+
+
+def _refuse_without_law(one: Acting) -> None:
+    """Refuse an effect that is described only by what it does to the model's equation or to a given motion."""
+    if one.effect.name not in OWN_LAWS and (one.effect.write is not None or one.effect.turn is not None):
+        raise EffectError(
+            f"the virtual rig has no law of its own for {one.effect.name}; of others it takes forces, and "
+            "changes of the rig, the transmission or the sensor."
+        )

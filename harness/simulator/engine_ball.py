@@ -105,6 +105,8 @@ def force_in_engine(plant: Plant, motion: BeamMotion, start: State, stamps: Floa
         tilt = angle + rig.level_angle
         slope = track_tilt(s, laws)
         push = force_along(s, v, angle, time, laws) + ball_torque(rolled, laws) / rig.rolling_radius
+        if plant.force is not None:
+            push += plant.force(s, v, angle, rolled, time)
         push += rig.mass * rig.gravity * (math.sin(tilt + slope) - math.sin(tilt))
         across = -2.0 * v * rates[now] - s * turns[now] - height * rates[now] ** 2
         normal_force = max(rig.mass * (rig.gravity * math.cos(tilt + slope) + across), 0.0)

@@ -14,7 +14,7 @@ PATCH_EDGE = 2e-3  # way along which a rough patch begins and ends: the ball's c
 
 
 class Laws(NamedTuple):
-    """Strengths and places of everything that can act, SI units; names as in `effects.CATALOGUE` where they differ.
+    """Strengths and places of everything that can act, SI units; what each effect makes of them is in `acting`.
 
     Force along the beam [N]: `viscous`, `quadratic`, `cubed` (times velocity to the 1st, 2nd, 3rd power); `gust`
     between two instants; `drift` per second; `hill` between two places; `magnet` at its strongest; `spring` per m³;

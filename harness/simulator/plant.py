@@ -10,11 +10,21 @@ from typing import cast
 import numba
 import numpy as np
 
+from analytic.effects import (
+    CONTACT_SLIP,
+    ECCENTRIC_PIVOT,
+    LEVEL_ERROR,
+    ROLLING_RESISTANCE,
+    Effect,
+    rig_with,
+    transmission_with,
+)
 from analytic.motion import BeamMotion, FloatArray, State, beam_states
 from analytic.rig import Rig
 from harness.simulator.acting import laws_with
 from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Constants
-from harness.simulator.effects import Effects, checked
+from harness.simulator.effect_force import force_with
+from harness.simulator.effects import Effects, checked, listed
 from harness.simulator.laws import Laws
 from harness.simulator.linkage import Linkage
 from harness.simulator.stepping import COLUMNS, advance, describe
@@ -60,9 +70,9 @@ class Plant:
     step: float = 1e-4
 
     def __post_init__(self) -> None:
-        for name in ("rolling_resistance", "friction"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}; it must be finite and not negative")
+        for name, value in (("rolling resistance", self.rolling_resistance), ("friction", self.friction)):
+            if not 0.0 <= value < math.inf:
+                raise ValueError(f"{name} is {value}; it must be finite and not negative")
         if not 0.0 < self.step < math.inf:
             raise ValueError(f"step is {self.step}; it must be positive")
 
@@ -82,27 +92,30 @@ class Plant:
             RigError: a rolling radius that the ball cannot have.
         """
         effects = checked(effects)
+        acting = listed(effects)
 
-        def value(name: str, parameter: str, default: float) -> float:
-            return effects[name][parameter] if name in effects else default
+        def value(effect: Effect, default: float) -> float:
+            return effects[effect.name][effect.parameters[0].name] if effect.name in effects else default
 
-        rig = self.rig.with_(
-            level_angle=self.rig.level_angle + value("level_error", "angle", 0.0),
-            rolling_radius=value("rolling_radius", "radius", self.rig.rolling_radius),
-            eccentricity=value("eccentric_pivot", "eccentricity", self.rig.eccentricity),
+        rig = rig_with(self.rig, acting)
+        rig = rig.with_(
+            level_angle=rig.level_angle + value(LEVEL_ERROR, 0.0),
+            eccentricity=value(ECCENTRIC_PIVOT, rig.eccentricity),
         )
+        transmission = transmission_with(acting)
         return replace(
             self,
             rig=rig,
-            rolling_resistance=self.rolling_resistance + value("rolling_resistance", "coefficient", 0.0),
-            friction=value("contact_slip", "friction_coefficient", self.friction),
+            rolling_resistance=self.rolling_resistance + value(ROLLING_RESISTANCE, 0.0),
+            friction=value(CONTACT_SLIP, self.friction),
             laws=laws_with(self.laws, effects, rig, turned_before),
             linkage=replace(
                 self.linkage,
-                gain=self.linkage.gain * value("angle_gain", "gain", 1.0),
-                width=value("linkage_backlash", "width", self.linkage.width),
+                gain=self.linkage.gain * transmission.gain,
+                width=self.linkage.width + transmission.play,
                 play_start=play_start,
             ),
+            force=force_with(self.force, acting, turned_before),
         )
 
     @property

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from analytic.effects import sensor_with
 from analytic.motion import FloatArray, State
 from harness.simulator.channel import Channel
-from harness.simulator.effects import Effects, checked
+from harness.simulator.effects import Effects, checked, listed
 from harness.simulator.plant import Plant, Run, Simulation
 from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
@@ -53,13 +54,12 @@ class Sensors:
         Raises:
             InputError: names or values that cannot be.
         """
-        effects, channel = checked(effects), self.channel
-        if "position_gain" in effects:
-            channel = replace(channel, gain=effects["position_gain"]["gain"])
-        if "position_lag" in effects:
-            channel = replace(channel, time_constant=effects["position_lag"]["time_constant"])
-        if "channel_delay" in effects:
-            channel = replace(channel, delay=effects["channel_delay"]["delay"])
+        law, channel = sensor_with(listed(checked(effects))), self.channel
+        channel = Channel(
+            gain=channel.gain * law.gain,
+            time_constant=channel.time_constant + law.lag,
+            delay=channel.delay + law.delay,
+        )
         return replace(self, channel=channel)
 
     def stride(self, step: float) -> int:

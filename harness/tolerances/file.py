@@ -20,7 +20,6 @@ Metrics against the measurement are those of metrics.csv, by name or alias; a li
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import tomllib
@@ -29,6 +28,7 @@ from pathlib import Path
 from typing import Any
 
 from analytic.models import CAM, MODELS
+from analytic.naming import did_you_mean
 from harness.engines.catalogue import ENGINES
 from harness.errors import InputError
 from harness.metrics import WHOLE, Better, Metric, find_metric
@@ -100,7 +100,9 @@ def _tube(table: Any) -> float | None:
 
 def _limits_of(source: str, table: Any) -> Iterator[Limit]:
     if source not in SOURCES:
-        raise InputError(f"there is no source {source!r}.{_near(source, SOURCES)} There are {', '.join(SOURCES)}.")
+        raise InputError(
+            f"there is no source {source!r}.{did_you_mean(source.lower(), SOURCES)} There are {', '.join(SOURCES)}."
+        )
     if not isinstance(table, Mapping):
         raise InputError(f'{source} is no table. Write [{source}.{WHOLE}] or [{source}."2 s"] above its limits.')
     for horizon, entries in table.items():
@@ -144,7 +146,7 @@ def _seconds(place: str, horizon: str) -> float | None:
     if match is None or float(match[1]) == 0.0:
         dotted = " A length with a point stands in quotes." if horizon.isdigit() else ""
         raise InputError(
-            f"{place} is no horizon.{_near(horizon, (WHOLE, AGAINST_CAM))}{dotted} "
+            f"{place} is no horizon.{did_you_mean(horizon.lower(), (WHOLE, AGAINST_CAM))}{dotted} "
             f'There are {WHOLE}, windows such as "2 s" or "0.5 s", and {AGAINST_CAM}.'
         )
     return float(match[1])
@@ -164,7 +166,7 @@ def _difference(place: str, name: str) -> Metric:
     try:
         return _DIFFERENCES_BY_ANY_NAME[name.lower()]
     except KeyError:
-        near = _near(name.lower(), _DIFFERENCES_BY_ANY_NAME)
+        near = did_you_mean(name.lower(), _DIFFERENCES_BY_ANY_NAME)
         raise InputError(f"{place}: there is no metric {name!r}.{near} There are {', '.join(DIFFERENCES)}.") from None
 
 
@@ -193,8 +195,3 @@ def _each_once(limits: Iterable[Limit]) -> None:
 def _key(name: str) -> str:
     """As it has to be written in TOML."""
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else f'"{name}"'
-
-
-def _near(name: str, known: Iterable[str]) -> str:
-    near = difflib.get_close_matches(name.lower(), list(known), n=1)
-    return f" Did you mean {near[0]!r}?" if near else ""

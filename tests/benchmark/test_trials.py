@@ -8,12 +8,12 @@ import pytest
 
 from analytic.effects import CATALOGUE, acting
 from harness.benchmark.pose import experiment_of
-from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, SPREAD, UNLISTED_SCALES
-from harness.benchmark.trials import NULL_TRIALS, RIGS_ALONE, SEEDS, plan
+from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, SPREAD, UNLISTED_SCALES, scales
+from harness.benchmark.trials import NULL_TRIALS, SEEDS, in_engines, plan
 from harness.errors import InputError
 from harness.simulator import UNLISTED
 
-PLAN = plan()
+PLAN, SCALES = plan(), scales()
 
 
 def test_the_whole_catalogue_is_tried_at_every_size() -> None:
@@ -46,7 +46,7 @@ def test_every_plant_sees_every_effect() -> None:
     """Move the ball of each effect by the virtual rig and by both engines; where it slides or hops, by the rig only."""
     for name in CATALOGUE:
         plants = {one.plant for one in PLAN if one.study == "confusion" and one.name == name}
-        assert plants == ({"virtual_rig"} if name in RIGS_ALONE else {"virtual_rig", "mujoco", "pybullet"})
+        assert plants == ({"virtual_rig", "mujoco", "pybullet"} if in_engines(name) else {"virtual_rig"})
 
 
 def test_trials_are_the_same_in_every_part() -> None:

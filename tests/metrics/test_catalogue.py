@@ -48,9 +48,9 @@ def test_short_names_are_understood(typed, name):
 
 def test_misspelt_metric_gets_a_hint():
     """Name the nearest metric, or all of them."""
-    with pytest.raises(InputError, match=r"'rms_eror'; did you mean rms_error_mm"):
+    with pytest.raises(InputError, match=r"'rms_eror'. Did you mean 'rms_error_mm'"):
         find_metric("rms_eror")
-    with pytest.raises(InputError, match=r"known are max_error_m, "):
+    with pytest.raises(InputError, match=r"Known are max_error_m, "):
         find_metric("zzzzzz")
 
 

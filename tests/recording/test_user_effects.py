@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.effects import CATALOGUE, Acting, acting, parameters_with
+from analytic.effects import CATALOGUE, Acting, SensorLaw, acting, parameters_with, sensor_with
 from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import FloatArray, State
@@ -164,11 +164,35 @@ def test_a_file_given_twice_is_refused() -> None:
         pass
 
 
-def test_an_effect_on_the_sensor_is_refused(tmp_path: Path) -> None:
-    """Say that the filter would not know it."""
-    text = HEAD + OWN.replace("force={force}", "sense=lambda time, s, values: s").format(**GOOD)
-    with pytest.raises(InputError, match="cannot act on the sensor"):
-        read_effects(written(tmp_path, text))
+SENSOR = HEAD.replace("Force", "Force, SensorLaw") + OWN.replace("force={force}", "sensor={sensor}")
+
+
+def test_an_effect_may_act_on_the_sensor(tmp_path: Path) -> None:
+    """Filter and engines know the sensor by what it does: here a gain and a lag that go together."""
+    law = "lambda values: SensorLaw(gain=1.0 + values['size'], lag=0.1 * values['size'])"
+    text = SENSOR.format(**GOOD | {"sensor": law, "low": "0.0"})
+    with own_effects([written(tmp_path, text)]):
+        sensor = sensor_with([acting("mine", {"size": 0.5}), acting("channel_delay", {"delay": 0.02})])
+    assert sensor == SensorLaw(gain=1.5, lag=0.05, delay=0.02)
+    # A first-order lag follows a ramp T behind, once exp(−t/T) is gone: 1e-13 after 1.5 s.
+    ramp = SensorLaw(gain=1.5, lag=0.05).recorded(STAMPS, 0.1 * STAMPS)
+    np.testing.assert_allclose(ramp[150:], 1.5 * 0.1 * (STAMPS[150:] - 0.05), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("lambda values: SensorLaw(gain=values['size'])", "with size = 0 the sensor has the gain 0"),
+        ("lambda values: SensorLaw(lag=values['size'] - 0.5)", "with size = 0.1 the sensor has .* the lag -0.4 s"),
+        ("lambda values: 2.0", r"sensor gives 2\.0 with size = 0\.1\. Let it give a SensorLaw"),
+        ("lambda values: SensorLaw(gain=values['sise'])", r"mine\.py, line 8: mine: KeyError"),
+    ],
+    ids=["no gain", "negative lag", "no law", "error"],
+)
+def test_a_sensor_that_cannot_be_is_refused(tmp_path: Path, law: str, message: str) -> None:
+    """Say with which values the filter could not take it."""
+    with pytest.raises(InputError, match=message):
+        read_effects(written(tmp_path, SENSOR.format(**GOOD | {"sensor": law, "low": "0.0"})))
 
 
 def test_an_error_that_comes_late_names_the_line_too(tmp_path: Path) -> None:

@@ -167,7 +167,7 @@ def _sigma(problem: Problem, deviance: float) -> float:
 def _typical(found: Fit, name: str, room: Room) -> Values:
     """What was found with one more effect of typical size, in the middle of the room where it has a place."""
     effect = CATALOGUE[name]
-    sizes = {one.name: room.middle if one.name == "centre" else one.typical for one in effect.parameters}
+    sizes = {one.name: room.middle if one.place else one.typical for one in effect.parameters}
     return replace(found.best, effects=(*found.best.effects, Acting(effect, sizes)))
 
 

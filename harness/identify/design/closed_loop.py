@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.effects import parameters_with
+from analytic.effects import parameters_with, transmission_with
 from analytic.models import ORIGIN
 from analytic.motion import FloatArray
 from analytic.step import advance
@@ -130,7 +130,7 @@ def _perform(
     shape = repeated(values).shape
     if shape is not None:
         shape.write(p)
-    acting = {one.effect.name: one.values for one in effects}
+    transmission = transmission_with(effects)
     states, ball = np.empty((len(target), 3)), np.empty(len(target))
     # As stiff as readings this far apart allow, and no stiffer than its acceleration is good for.
     servo = min(_STIFFEST, 0.5 / room.interval, np.sqrt(_SOFTER * room.acceleration / room.angle))
@@ -139,8 +139,8 @@ def _perform(
         push,
         room.interval,
         p,
-        acting.get("angle_gain", {}).get("gain", 1.0),
-        0.5 * acting.get("linkage_backlash", {}).get("width", 0.0),
+        transmission.gain,
+        0.5 * transmission.play,
         profile.hold,
         room.pull,
         _SHARE * room.limits,

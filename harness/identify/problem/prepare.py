@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from analytic.effects import CATALOGUE
+from analytic.effects.effect import UnknownQuantity
 from analytic.rig import Rig
 from harness.comparison import Choices, Setting
 from harness.comparison import prepare as settle
@@ -17,6 +19,7 @@ from harness.signals.ball_state import estimate_ball
 from harness.signals.drive import make_drive
 
 _LEAST = 3  # positions to start from
+_STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level")  # of an incompletely known rig
 _FEWEST = 20  # readings that a recording must hold to say anything
 
 
@@ -42,8 +45,10 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> tuple[Problem,
 def stand_ins(known: KnownRig) -> tuple[str, ...]:
     """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle."""
     open_ = missing(known)
-    level = bool(open_) and known.level_angle is None
-    return (*(("angle_gain",) if "ratio" in open_ else ()), *(("level_error",) if level else ()))
+    if open_ and known.level_angle is None:
+        open_ |= {"level"}
+    standing = {effect.relations.stands_for: name for name, effect in CATALOGUE.items()}
+    return tuple(standing[quantity] for quantity in _STOOD_FOR if quantity in open_)
 
 
 def record_of(case: Case, recording: Recording, rig: Rig) -> tuple[Record, float]:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, motion_with, parameters_with
+from analytic.effects import Acting, motion_with, parameters_with, sensor_with
 from analytic.kernel import Grid
 from analytic.models import CAM, ORIGIN, Model
 from analytic.motion import DelayedMotion, FloatArray
@@ -56,9 +56,8 @@ class Record:
 
     def table_with(self, effects: Sequence[Acting]) -> FloatArray:
         """The beam's motion on the grid when `effects` act on the angle, or delay the position against it."""
-        delays = [one.values["delay"] for one in effects if one.effect.name == "channel_delay"]
-        delay = sum(delays)
-        if delay == 0.0 and not any(one.effect.turn is not None for one in effects):
+        delay = sensor_with(effects).delay
+        if delay == 0.0 and all(one.effect.turn is None and one.effect.transmission is None for one in effects):
             return self.table
         motion = motion_with(self.drive, self.time, effects)
         if delay != 0.0:
@@ -130,6 +129,11 @@ class Problem:
         return sum(int(np.isfinite(record.reading).sum()) for record in self.records)
 
     @cached_property
+    def visited(self) -> FloatArray:
+        """All positions that were read, shape (readings,) [m]."""
+        return np.concatenate([record.reading[np.isfinite(record.reading)] for record in self.records])
+
+    @cached_property
     def angle_floor(self) -> float:
         """Root density of the acceleration that the angle's own error gives [m/s² per √Hz], from the drive's draws.
 
@@ -147,16 +151,15 @@ class Problem:
 
     def sensor(self, effects: Sequence[Acting]) -> tuple[float, float]:
         """Gain [1] and lag [s] of the position sensor with `effects` beside those declared."""
-        values = {one.effect.name: one.values for one in (*self.declared, *effects)}
-        gain = values.get("position_gain", {}).get("gain", 1.0)
-        return gain, values.get("position_lag", {}).get("time_constant", 0.0)
+        law = sensor_with((*self.declared, *effects))
+        return law.gain, law.lag
 
     def dynamics(
         self, record: Record, effects: Sequence[Acting], phase: float, shape: Shape | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """The kernel's vector, shape (SLOTS,), and the beam's table of one recording; arguments as of `filtered`."""
-        every = phased((*self.declared, *effects), phase)
-        p = parameters_with(self.model, self.rig, every)
+        every = (*self.declared, *effects)
+        p = parameters_with(self.model, self.rig, every, phase=phase)
         p[ORIGIN] = record.origin / self.sensor(effects)[0]
         table = record.table_with(every)
         if shape is not None:
@@ -214,11 +217,3 @@ class Problem:
         found = self.filtered(record, effects, phase, density, shape)
         use = record.judged
         return negative_two_log_likelihood(found.innovation[use], found.innovation_variance[use])
-
-
-def phased(effects: Sequence[Acting], phase: float) -> tuple[Acting, ...]:
-    """The same effects on a ball that lies at φ₀ = `phase` at the start [rad]."""
-    return tuple(
-        Acting(one.effect, {**one.values, "phase": phase}) if one.effect.name == "ball_imbalance" else one
-        for one in effects
-    )

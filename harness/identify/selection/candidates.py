@@ -20,24 +20,17 @@ _S = TypeVar("_S")
 _T = TypeVar("_T")
 
 _STEPS = (COARSE_STEP, 1.0, -1.0)  # of the Jacobian's differences where much is missing
-# Effects of which the vector or the sensor takes one: where one is declared, a second cannot act beside it.
-_ONCE = frozenset(
-    (
-        "stribeck_friction", "presliding_hysteresis", "track_curvature", "track_bump", "ball_imbalance", "contact_slip",
-        "rolling_radius", "eccentric_pivot", "position_gain", "position_lag",
-    )
-)  # fmt: skip
 
 
 def candidates(problem: Problem) -> tuple[str, ...]:
     """What can be tried: the catalogue, but for what the model has already, and for what nothing can show."""
-    there = {one.effect.name for one in problem.declared} & _ONCE
+    there = {one.effect.name for one in problem.declared if one.effect.relations.once}
     return tuple(
         name
-        for name in CATALOGUE
+        for name, effect in CATALOGUE.items()
         if name not in hidden_by(problem.unknown)
         and name not in there
-        and not (name == "eccentric_pivot" and problem.model.eccentric)
+        and not effect.relations.in_baseline(problem.model)
     )
 
 
@@ -47,8 +40,11 @@ def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
     K g α of the record is all that a gain of the angle, one of the position and the rolling radius change, but for
     terms that are small at small angles.
     """
-    gains = ("angle_gain", "rolling_radius", "position_gain") if "angle_gain" in unknown else ()
-    return (*gains, *(("level_error",) if "level_error" in unknown else ()))
+    hidden: list[str] = []
+    for name in unknown:
+        quantity = CATALOGUE[name].relations.stands_for
+        hidden += [name, *(other for other, effect in CATALOGUE.items() if quantity in effect.relations.hidden_by)]
+    return tuple(hidden)
 
 
 def found_in(problem: Problem, one: Fit) -> tuple[str, ...]:

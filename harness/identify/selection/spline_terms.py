@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.effects import Acting, parameters_with
+from analytic.effects import CATALOGUE, Acting, parameters_with
 from analytic.law import acceleration, dry_limit
 from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
@@ -23,16 +23,6 @@ from harness.identify.selection.ledger import Ledger
 
 # Process noise of a held-out recording over that of the others.
 _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
-# Effects that a spline term of the kind contains: what the catalogue took of a cause that is not in it.
-_DRY = ("rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis")
-_CONTAINED = {
-    (Depends.POSITION, False): ("level_error", "track_curvature", "track_bump", "beam_compliance"),
-    (Depends.VELOCITY, False): ("viscous_damping", "quadratic_drag"),
-    (Depends.ROLL_ANGLE, False): ("ball_imbalance",),
-    (Depends.POSITION, True): _DRY,
-    (Depends.ROLL_ANGLE, True): _DRY,
-    (Depends.TIME, True): _DRY,
-}
 
 
 def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -52,7 +42,7 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     for name in found_in(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
-        nested = name in _CONTAINED.get(_kind(best), ())
+        nested = _kind(best) in CATALOGUE[name].relations.nested_in
         shape = _with_law_in_it(problem, best, name) if nested else best.refined.shape
         without = fit(problem, Hypothesis(rest, shape), density=best.density, known=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
@@ -91,11 +81,16 @@ def _law_along(problem: Problem, effect: Acting, shape: Shape) -> FloatArray:
     if shape.friction:  # of a rolling ball, and the mean of both directions
         limits = [dry_limit(0.0, towards, towards, 0.0, 0.0, 0.0, full) for towards in (1.0, -1.0)]
         return np.full(len(shape.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
-    of_velocity, per_place = shape.depends is Depends.VELOCITY, 1.0 / full[ROLL] if shape.turning else 1.0
+    s, v, angle = np.zeros((3, len(shape.nodes)))
+    if shape.depends is Depends.VELOCITY:
+        v = shape.places
+    elif shape.depends is Depends.ANGLE:
+        angle = shape.places
+    else:
+        s = shape.places / full[ROLL] if shape.turning else shape.places
 
     def along(p: FloatArray) -> FloatArray:
-        where = [(0.0, place) if of_velocity else (per_place * place, 0.0) for place in shape.places]
-        return np.array([acceleration(s, v, 0.0, 0.0, 0.0, p) for s, v in where])
+        return np.array([acceleration(*at, 0.0, 0.0, p) for at in zip(s, v, angle, strict=True)])
 
     return (along(full) - along(bare)) / full[RESPONSE]
 

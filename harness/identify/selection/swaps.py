@@ -5,20 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from analytic.effects import CATALOGUE
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import Progress, fit_candidates, found_in, refitted
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
-
-# One law of several parameters that two laws of one parameter each imitate or are: on a beam that is not level a
-# resistance differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with
-# speed from what it is at rest is resistance and drag.
-SPLITS = {
-    "directional_resistance": ("rolling_resistance", "level_error"),
-    "track_curvature": ("level_error", "beam_compliance"),
-    "stribeck_friction": ("rolling_resistance", "quadratic_drag"),
-}
 
 
 def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -70,7 +62,11 @@ def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
 
 def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
     """Hold one law against the two that imitate it, whichever was found."""
-    for name, pair in SPLITS.items():
+    imitated = {name: effect.relations.splits_into for name, effect in CATALOGUE.items()}
+    for name, parts in imitated.items():
+        if parts is None:
+            continue
+        pair = (parts[0].name, parts[1].name)
         names = found_in(problem, best)
         if name in names and not set(pair) & set(names) and len(names) < problem.settings.max_effects:
             best = _split(problem, best, name, pair, ledger, progress)

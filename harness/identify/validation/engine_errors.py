@@ -5,24 +5,25 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from analytic.effects import Acting, recorded_with, rig_with
+from analytic.effects import rig_with, sensor_with
 from analytic.models import DRY_MINUS, DRY_PLUS, LEVEL
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
-from harness.engines.injection import force_of, motion_for_engine
+from harness.engines.injection import engine_settings, force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.estimate.roll_phase import phase_of
-from harness.identify.problem.problem import Filtered, Problem, Record, phased
+from harness.identify.problem.problem import Filtered, Problem, Record
 from harness.identify.problem.spline_term import Depends, Shape
 from harness.identify.problem.windows import horizon_spans
 from harness.identify.validation.held_out import HeldOut, Progress
@@ -34,12 +35,6 @@ Squares = list[tuple[str, FloatArray]]
 # [s]: leaves 3 µm in 14 s, and 25 µm at most where friction stops the ball. Where it slides MuJoCo is of first order in
 # the step, and the engines' own is kept.
 _ROLLING_STEP = 2e-3
-
-# What makes a ball slide in an engine: its own friction, and limits that let it (see `harness run --help`).
-_SLIPPERY: Mapping[str, Callable[[float], dict[str, Any]]] = {
-    "mujoco": lambda mu: {"friction": mu, "slip_limit": 10.0, "friction_relaxation": 0.01},
-    "pybullet": lambda mu: {"lateral_friction_ball": mu, "lateral_friction_rail": 1.0, "slip_limit": 10.0},
-}
 
 
 def engine_errors(
@@ -101,25 +96,10 @@ def _key(engine: Engine, fit: Fit, record: Record) -> Hashable:
 
 def entries(fit: Fit) -> dict[str, str]:
     """Where each thing that was found enters the engines' scenes: by effect, in words."""
-    places = {one.effect.name: _entry(one) for one in fit.best.effects}
+    places = {one.effect.name: one.effect.enters for one in fit.best.effects}
     if fit.best.shape is not None:
         places["curve"] = "friction on the ball" if fit.best.shape.friction else "force on the ball"
     return places
-
-
-def _entry(one: Acting) -> str:
-    effect = one.effect
-    if effect.name == "contact_slip":
-        return "the engine's own friction coefficient"
-    if effect.name == "level_error":
-        return "force on the ball, as a tilt of gravity gives it"
-    if effect.name == "channel_delay":
-        return "sensor side: the stamps at which the ball is read"
-    if effect.alter is not None:
-        return "the scene's geometry"
-    if effect.turn is not None:
-        return "angle of the driven beam"
-    return "sensor side: what is recorded of the position" if effect.sense is not None else "force on the ball"
 
 
 def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
@@ -152,13 +132,11 @@ class _Scene:
         self.origin = record.origin / gain
         shape = found.best.shape
         self.law = None if shape is None else _law(shape, phase, problem.rig.gravity)
-        self.effects = phased(declared, phase)
+        self.effects, self.phase = declared, phase
         self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
-        self.delay = sum(one.values["delay"] for one in self.effects if one.effect.name == "channel_delay")
-        self.sensor = [one for one in self.effects if one.effect.name != "channel_delay"]
-        slip = [one.values["friction_coefficient"] for one in self.effects if one.effect.name == "contact_slip"]
+        self.sensor = sensor_with(self.effects)
         self.engine = engine
-        settings = _SLIPPERY[engine.name](slip[0]) if slip else {"time_step": _ROLLING_STEP}
+        settings = engine_settings(self.effects, engine.name) or {"time_step": _ROLLING_STEP}
         self.parameters: EngineParameters = parameters_of(engine, settings)
 
     def squares(self) -> Squares:
@@ -188,7 +166,7 @@ class _Scene:
         is not known."""
         stamps = self.record.time[begin:end]
         # The filter's state at t is that of t − delay, when the beam was where the ball then felt it.
-        ball_time = stamps - self.delay
+        ball_time = stamps - self.sensor.delay
         inside = (ball_time >= self.record.time[0]) & (ball_time <= self.record.time[-1])
         at = ball_time[inside]
         first = begin + int(np.argmax(inside))
@@ -200,10 +178,11 @@ class _Scene:
             at,
             self.parameters.time_step,
             origin=self.origin,
+            phase=self.phase,
             law=self.law,
         )
         run = self.engine.run(self.rig, self.motion, State(s, v), at, parameters=self.parameters, force=force)
-        recorded = recorded_with(at, run.trajectory.position, self.sensor)
+        recorded = replace(self.sensor, delay=0.0).recorded(at, run.trajectory.position)
         if out.lag > 0.0:  # the lag of a run begins settled, that of the filter where the readings before put it
             recorded = recorded + out.gain * (lagging - s) * np.exp(-(at - at[0]) / out.lag)
         result = np.full(len(stamps), np.nan)

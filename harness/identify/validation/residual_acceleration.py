@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
-from analytic.effects import acting, recorded_with
+from analytic.effects import SensorLaw
 from analytic.models import CAM
 from analytic.motion import FloatArray
 from analytic.step import advance
@@ -78,7 +78,7 @@ def _acceleration(problem: Problem, record: Record, ball: BallEstimate, found: V
     _along(ball.position / gain, ball.velocity / gain, record.grid.steps, record.grid.marks, table, p, out)
     # Gain and lag are linear and constant in time: they do to the acceleration what they do to the position.
     if lag > 0.0:
-        out = recorded_with(record.time, out, (acting("position_lag", {"time_constant": lag}),))
+        out = SensorLaw(lag=lag).recorded(record.time, out)
     return gain * out
 
 

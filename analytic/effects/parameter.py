@@ -1,0 +1,92 @@
+"""One number of an effect: its unit, its bounds, and where a fit of it begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from analytic.effects.force import EffectError
+from analytic.motion import FloatArray
+from analytic.rig import Rig
+
+Starts = Callable[[FloatArray, Rig], Sequence[float]]
+"""Where fits begin, from the positions that the recordings visit, shape (n,) [m], and the rig."""
+Bounds = Callable[[FloatArray, Rig], tuple[float, float]]
+"""Bounds of a fit, from the same."""
+
+_PLACE = 0.03  # how well a place along the beam can be guessed [m]
+_FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to what it should be [1]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of an effect.
+
+    Attributes:
+        name: public, as in results.
+        unit: in SI, "1" for a number.
+        low, high: bounds.
+        typical: a size at which the effect matters; not 0.
+        starts: where fits begin; where the effect does nothing if there are none and that is not 0, else at the typical
+            size.
+        neutral: where the effect does nothing, on any rig or as a function of it.
+        strength: whether the effect vanishes as the parameter goes to 0.
+        place: whether it is a place along the beam.
+        fitted: bounds of a fit, where they depend on the recordings or the rig, or are closer than `low` and `high`.
+        shown: the unit in which people speak of it, and the factor from SI, where SI's own is not that.
+
+    Raises:
+        EffectError: bounds or sizes that cannot be.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    typical: float
+    starts: tuple[float, ...] | Starts = ()
+    neutral: float | Callable[[Rig], float] = 0.0
+    strength: bool = False
+    place: bool = False
+    fitted: Bounds | None = None
+    shown: tuple[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.name.isidentifier():
+            raise EffectError(f"{self.name!r} is no name for a parameter; use letters, digits and _")
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise EffectError(
+                f"{self.name}: bounds {self.low:g} and {self.high:g}; they must be finite, the lower one first"
+            )
+        for value in (self.typical, *self.fixed_starts):
+            if not self.low <= value <= self.high:
+                raise EffectError(f"{self.name}: {value:g} lies outside its bounds, {self.low:g} to {self.high:g}")
+        if self.typical == 0.0:
+            raise EffectError(f"{self.name}: typical is 0; give a size at which the effect matters")
+
+    @property
+    def fixed_starts(self) -> tuple[float, ...]:
+        """Where fits begin whatever the recordings and the rig."""
+        return () if callable(self.starts) else self.starts
+
+    def neutral_on(self, rig: Rig) -> float:
+        """Where the effect does nothing on this rig, in the parameter's unit."""
+        return self.neutral(rig) if callable(self.neutral) else self.neutral
+
+    def size(self, rig: Rig) -> float:
+        """How far the parameter typically is from doing nothing, in its unit."""
+        if self.place:
+            return _PLACE
+        neutral = self.neutral_on(rig)
+        return _FACTOR_OFF * neutral if neutral else abs(self.typical)
+
+    def starts_on(self, visited: FloatArray, rig: Rig) -> Sequence[float]:
+        """Where fits begin, for recordings that visit these positions, shape (n,) [m]."""
+        if callable(self.starts):
+            return self.starts(visited, rig)
+        return self.starts or (self.neutral_on(rig) or self.typical,)
+
+    def bounds_on(self, visited: FloatArray, rig: Rig) -> tuple[float, float]:
+        """Bounds of a fit to recordings that visit these positions, shape (n,) [m]."""
+        return (self.low, self.high) if self.fitted is None else self.fitted(visited, rig)
