@@ -18,6 +18,7 @@ from analytic.models import CUM, FRICTION_GAIN, LEVEL, Model, Reading
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
+from harness.numerics import rms
 
 _FRICTION_START = {  # of f_b, in the unit its reading needs: each slows a ball at 0.1 m/s by some 0.03 m/s²
     Reading.PRINTED: 0.05,
@@ -115,7 +116,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
         level_angle=float(x[0]) if level else 0.0,
         friction_coefficient=float(x[-1]) if model.reading else 0.0,
         max_error=float(np.max(np.abs(error))),
-        rms_error=float(np.sqrt(np.mean(error**2))),
+        rms_error=rms(error),
         e_disp=e_disp,
         position=position,
     )

@@ -21,6 +21,7 @@ from analytic.motion import FloatArray
 from harness.comparison.setting import Setting
 from harness.comparison.sources import SourceRuns, run_engine
 from harness.engines.protocol import Engine, EngineParameters
+from harness.numerics import rms
 
 _LOWEST, _HIGHEST = 1.0, 3.0  # the least that a driven run promises; what a mixture of orders 1 and 2 may look like
 
@@ -49,7 +50,7 @@ class Attribution:
         """RMS of each part and of their sum, `total` [m]."""
         parts = {"numerical": self.numerical, "contact": self.contact, "physics": self.physics}
         parts["total"] = self.numerical + self.contact + self.physics
-        return {name: float(np.sqrt(np.mean(part[self.use] ** 2))) for name, part in parts.items()}
+        return {name: rms(part[self.use]) for name, part in parts.items()}
 
     def shares(self) -> dict[str, float]:
         """Share of each part in the mean square error; they add up to 1, and one is negative where it compensates."""
@@ -87,7 +88,7 @@ def attribute(
 
 def _order(coarse: FloatArray, fine: FloatArray) -> float:
     """p of differences that shrink by 2^p when the step is halved, within what these integrators can have."""
-    before, after = np.sqrt(np.mean(coarse**2)), np.sqrt(np.mean(fine**2))
+    before, after = rms(coarse), rms(fine)
     if after == 0.0:
         return _HIGHEST
     return float(np.clip(np.log2(before / after), _LOWEST, _HIGHEST))

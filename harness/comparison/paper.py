@@ -15,6 +15,7 @@ from harness.comparison.ablation import Combination
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.comparison.sources import run_models
+from harness.numerics import rms
 
 TABLE_2: Mapping[str, Mapping[str, float]] = {
     "max_error_m": {"cum": 0.032, "cam": 0.147, "friction": 0.009},
@@ -103,7 +104,7 @@ class Judge:
         if not np.all(np.isfinite(apart)):
             raise ValueError("a model that ran away cannot be compared")
         by_inputs = np.std(2.0 * np.mean(self._moved * apart, axis=1))
-        by_noise = 2.0 * self.noise * np.sqrt(np.mean(apart**2) / apart.size)
+        by_noise = 2.0 * self.noise * rms(apart) / np.sqrt(apart.size)
         return base.rms_error**2 - other.rms_error**2, float(np.hypot(by_inputs, by_noise))
 
 
@@ -236,4 +237,5 @@ def _difference(choice: str, one: FloatArray, other: FloatArray) -> Difference:
 
 
 def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
+    """RMS over the runs: NaN stands outside them."""
+    return rms(values[~np.isnan(values)])

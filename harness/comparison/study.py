@@ -19,6 +19,7 @@ from harness.comparison.uncertainty import displacements, uncertainty
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.metrics import Comparison, Score, score
+from harness.numerics import rms
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
     ):
         ends = np.array([u[i, last] for i, last in enumerate(horizon.last)])
         motion = np.array([np.std(position[where]) for where in horizon.slices()])
-        if np.sqrt(np.mean(ends**2)) < np.sqrt(np.mean(motion**2)):
+        if rms(ends) < rms(motion):
             return horizon
     return setting.horizons[-1] if len(setting.horizons) == 1 else setting.horizons[1]
 

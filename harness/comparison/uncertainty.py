@@ -15,6 +15,7 @@ from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
 from analytic.motion import BeamMotion, FloatArray
 from harness.comparison.setting import Setting
 from harness.metrics import validation_uncertainty
+from harness.numerics import rms
 
 
 def displacements(setting: Setting) -> list[FloatArray]:
@@ -31,8 +32,7 @@ def displacements(setting: Setting) -> list[FloatArray]:
         starts = np.repeat(setting.starts(horizon)[None], draws + 1, axis=0)
         if horizon.seconds is not None or choices.start is None:  # a start that was given is taken for exact
             for i, first in enumerate(horizon.first):
-                root = _root(ball.spread(int(first)))
-                starts[1:, i] += generator.standard_normal((draws, 2)) @ root.T
+                starts[1:, i] += _normal(generator, ball.spread(int(first)), draws)
             # The state was smoothed relative to CAM, whose velocity holds −K ℓ α̇: a beam that turned faster than it was
             # read leaves the ball that much slower, and the run cancels it again.
             rate = tables[:, 2 * grid.marks[horizon.first], 1]
@@ -52,15 +52,14 @@ def displacements(setting: Setting) -> list[FloatArray]:
 
 def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
     """u_val of the runs that `displacement`, shape (draws, runs, n), belongs to: shape (runs, n) [m]."""
-    return validation_uncertainty(setting.reading_noise, np.sqrt(np.mean(displacement**2, axis=0)))
+    return validation_uncertainty(setting.reading_noise, rms(displacement, axis=0))
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:
     """Kernel parameters of the best rig and of rigs drawn from what the estimation leaves open."""
     vectors = np.tile(setting.vector(CAM), (draws + 1, 1))
     if setting.fitted is not None:
-        kicks = generator.standard_normal((draws, 3)) @ _root(setting.fitted.covariance).T
-        ratio, level, lever = kicks.T
+        ratio, level, lever = _normal(generator, setting.fitted.covariance, draws).T
         scale = 1.0 + ratio / setting.fitted.ratio
         vectors[1:, GRAVITY] *= scale
         vectors[1:, CENTRIFUGAL] *= scale
@@ -69,8 +68,6 @@ def _parameters(setting: Setting, draws: int, generator: np.random.Generator) ->
     return vectors
 
 
-def _root(covariance: FloatArray) -> FloatArray:
-    """A matrix whose product with its transpose is `covariance`, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    root: FloatArray = vectors * np.sqrt(values.clip(min=0.0))
-    return root
+def _normal(generator: np.random.Generator, covariance: FloatArray, draws: int) -> FloatArray:
+    """Normal draws of mean zero, shape (draws, k); `covariance`, shape (k, k), may be singular."""
+    return generator.multivariate_normal(np.zeros(len(covariance)), covariance, draws, method="eigh")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.numerics import rms
 
 
 def max_error(error: FloatArray) -> float:
@@ -17,7 +18,7 @@ def max_error(error: FloatArray) -> float:
 
 def rms_error(error: FloatArray) -> float:
     """√(mean e²), in the unit of `error`, shape (n,); NaN if n = 0."""
-    return float(np.sqrt(np.mean(np.square(error)))) if error.size else np.nan
+    return rms(error) if error.size else np.nan
 
 
 def fit_percent(error: FloatArray, deviation: FloatArray) -> float:

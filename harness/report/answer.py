@@ -12,6 +12,7 @@ from analytic.models import CAM
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
 from harness.formatting import brief, length, number, plus_minus
+from harness.numerics import rms
 from harness.report.palette import label_of, names
 from harness.report.standing import COVERAGE, Standing, standings
 
@@ -115,7 +116,7 @@ def still_error(study: Study, horizon: Horizon) -> float:
     """RMS error of a ball that stays at its mean place in each run [m]: what any model has to beat."""
     position, use = study.setting.recording.position, study.setting.ball.trusted
     pieces = [position[where][use[where]] for where in horizon.slices()]
-    return float(np.sqrt(np.mean(np.concatenate([piece - np.mean(piece) for piece in pieces]) ** 2)))
+    return rms(np.concatenate([piece - np.mean(piece) for piece in pieces]))
 
 
 def horizon_text(seconds: float | None, duration: float) -> str:

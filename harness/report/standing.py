@@ -10,6 +10,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
+from harness.numerics import rms
 
 COVERAGE = 2.0  # standard deviations, as in ASME V&V 20: 95 % of a normal distribution
 SAME = 0.05  # of u_val: two runs closer than this give the same motion for any purpose
@@ -44,15 +45,15 @@ def standings(study: Study, horizon: Horizon) -> list[Standing]:
     }
     u = [u_val[i, w][use[w]] for i, w in enumerate(slices)]
     floor = _rms(u)
-    rms = {source: _rms(error) for source, error in errors.items()}
+    sizes = {source: _rms(error) for source, error in errors.items()}
     # Sources of equal motion rank together, in the order of the study: analytic models before the engines.
     alike = {s: [o for o in study.sources if o == s or _same(errors[s], errors[o], floor)] for s in study.sources}
-    ordered = sorted(study.sources, key=lambda source: min(rms[one] for one in alike[source]))
+    ordered = sorted(study.sources, key=lambda source: min(sizes[one] for one in alike[source]))
     first = ordered[0]
     return [
         Standing(
             source=source,
-            rms=rms[source],
+            rms=sizes[source],
             std=1e-3 * study.score_of(source, horizon).rms_error_standard_error_mm,
             separated=separated(errors[first], errors[source], u),
             same=source in alike[first],
@@ -90,7 +91,7 @@ def _same(one: Sequence[FloatArray], other: Sequence[FloatArray], floor: float) 
 
 
 def _rms(pieces: Sequence[FloatArray]) -> float:
-    values = np.concatenate(pieces)
+    """RMS over all runs; infinite where a source ran away."""
     with np.errstate(over="ignore", invalid="ignore"):
-        square = float(np.mean(np.square(values)))
-    return float(np.sqrt(square)) if np.isfinite(square) else np.inf
+        value = rms(np.concatenate(pieces))
+    return value if np.isfinite(value) else np.inf

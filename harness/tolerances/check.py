@@ -11,6 +11,7 @@ from analytic.models import CAM
 from harness.comparison import Setting, Study
 from harness.comparison.horizons import Horizon
 from harness.errors import InputError
+from harness.numerics import rms
 from harness.tolerances.limits import Limit, Tolerances
 
 
@@ -134,5 +135,5 @@ def _measured(study: Study, limit: Limit, horizon: Horizon) -> tuple[float, str]
 
 _DIFFERENCE = {
     "max_difference_m": lambda difference: float(np.max(np.abs(difference))),
-    "rms_difference_m": lambda difference: float(np.sqrt(np.mean(difference**2))),
+    "rms_difference_m": rms,
 }

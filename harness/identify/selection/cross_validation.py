@@ -21,6 +21,7 @@ from harness.identify.validation.baseline_comparison import for_horizon, margin,
 from harness.identify.validation.baselines import windows_of
 from harness.identify.validation.held_out import parts
 from harness.identify.verdict import Search, judged
+from harness.numerics import rms
 
 _LEAST = 12  # windows, below which their scatter decides
 _TRIED = 3  # candidates that are fitted without each recording, the best on all of them first
@@ -56,7 +57,7 @@ def _unless_worse(problem: Problem, found: Fit, plain: Fit, name: str, ledger: l
     before, after = (held_out_misses(problem, one) for one in (plain, found))
     if np.mean(after**2) < np.mean(before**2):
         return found
-    because = f"predicts held-out windows worse, by {_rms(after):.3g} m against {_rms(before):.3g} m RMS"
+    because = f"predicts held-out windows worse, by {rms(after):.3g} m against {rms(before):.3g} m RMS"
     ledger.append(_entry(name, plain, found, kept=False, because=because))
     return plain
 
@@ -77,7 +78,7 @@ def _better(problem: Problem, base: Fit, ledger: list[Entry], progress: Progress
         progress(f"{name} on windows that it has not seen")
         after = held_out_misses(problem, one)
         gain = margin(before, after, _CHANCE / len(candidates(problem)))
-        because = f"predicts held-out windows by {_rms(after):.3g} m RMS instead of {_rms(before):.3g} m"
+        because = f"predicts held-out windows by {rms(after):.3g} m RMS instead of {rms(before):.3g} m"
         ledger.append(
             _entry(name, base, one, kept=False, because=because + ("" if gain.sure else ", which may be chance"))
         )
@@ -102,7 +103,3 @@ def held_out_misses(problem: Problem, one: Fit) -> FloatArray:
 
 def _entry(name: str, base: Fit, one: Fit, *, kept: bool, because: str) -> Entry:
     return Entry(name, base.hypothesis.names, base.score - one.score, kept, because, one, base, rule="prediction")
-
-
-def _rms(misses: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.square(misses))))

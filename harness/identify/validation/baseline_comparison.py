@@ -19,6 +19,7 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.problem import Problem
 from harness.identify.validation.baselines import AHEAD, Window, fit_double_integrator, fit_output_error, windows_of
 from harness.identify.validation.held_out import KNOWN, Split
+from harness.numerics import rms
 
 BEFORE, AFTER = "before", "after"
 INTEGRATOR, BLACK_BOX = "double_integrator", "output_error"
@@ -57,7 +58,7 @@ class Contest:
 
     def rms(self, contender: str) -> float:
         """Over all windows, which count alike [m]."""
-        return float(_rms(self.misses[contender]))
+        return rms(self.misses[contender])
 
     def margin(self, yardstick: str) -> Margin | None:
         """By how much the model with what was found is better; `None` for too few windows."""
@@ -93,8 +94,8 @@ def margin(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margi
         chance: two-sided share of what the interval leaves out [1].
     """
     drawn = np.random.default_rng(0).integers(len(before), size=(_RESAMPLES, len(before)))
-    low, high = np.percentile(_rms(before[drawn]) - _rms(after[drawn]), (50.0 * chance, 100.0 - 50.0 * chance))
-    return Margin(float(_rms(before) - _rms(after)), float(low), float(high))
+    low, high = np.percentile(rms(before[drawn], -1) - rms(after[drawn], -1), (50.0 * chance, 100.0 - 50.0 * chance))
+    return Margin(rms(before) - rms(after), float(low), float(high))
 
 
 def contest(held: Sequence[Split], progress: Progress = lambda _: None) -> Contest | None:
@@ -137,7 +138,3 @@ def for_horizon(problem: Problem, found: Fit, seen: Sequence[Window]) -> Fit:
     """The same fit with the process noise that predicts the windows of its own recordings best."""
     tried = [found, *(replace(found, density=float(density)) for density in _DENSITIES)]
     return min(tried, key=lambda one: sum(miss(problem, one, window) ** 2 for window in seen))
-
-
-def _rms(misses: FloatArray, axis: int = -1) -> Any:
-    return np.sqrt(np.mean(np.square(misses), axis=axis))

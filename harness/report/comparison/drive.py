@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK
@@ -47,7 +48,7 @@ def section(subject: Subject) -> Section:
         "ratio": drive.residual_ratio,
         "verdict": verdict,
         "picture": _picture(subject),
-        "std": [float(np.degrees(np.sqrt(np.mean(column**2)))) for column in drive.std.T],
+        "std": [float(np.degrees(rms(column))) for column in drive.std.T],
     }
     return Section("drive", "The drive", "Drive", "comparison/drive.html", context)
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from analytic.models import CAM
 from analytic.motion import FloatArray
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK, label_of, look_of
@@ -139,7 +140,7 @@ def _acceleration(subject: Subject) -> Picture:
             "Acceleration of the ball that CAM does not explain, over time and against position, velocity and "
             "beam angle."
         )
-        scatter, doubt = float(np.std(residual[at])), float(np.sqrt(np.mean(std[at] ** 2)))
+        scatter, doubt = float(np.std(residual[at])), rms(std[at])
         caption = (
             "Acceleration of the ball that CAM does not explain, estimated from the recording with its ± 2 σ "
             "band (grey), over "

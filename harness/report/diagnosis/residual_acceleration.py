@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from analytic.motion import FloatArray
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, Look
@@ -28,17 +29,13 @@ def section(account: Account) -> Section:
     deviation = np.concatenate([one.deviation[one.trusted] for one in account.traces])
     context = {
         "changed": account.changed,
-        "before": number(_rms(residual)),
-        "after": number(_rms(residual - law)),
-        "doubt": number(_rms(deviation), 2),
+        "before": number(rms(residual)),
+        "after": number(rms(residual - law)),
+        "doubt": number(rms(deviation), 2),
         "over_time": _over_time(account),
         "against": _against(account),
     }
     return Section("trace", "The trace of what is missing", "Trace", "diagnosis/residual_acceleration.html", context)
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _legend(figure: Figure, account: Account) -> None:

@@ -15,6 +15,7 @@ from harness.identify.selection.candidates import Entry
 from harness.identify.validation.held_out import KNOWN
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import RIVAL
+from harness.numerics import rms
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
@@ -179,4 +180,4 @@ def _panel(
 
 def _error(one: Forecast, reading: FloatArray, judged: np.ndarray) -> str:
     misses = (one.position - reading)[judged & np.isfinite(reading)]
-    return error_size(float(np.sqrt(np.mean(misses**2)))) if misses.size else NONE
+    return error_size(rms(misses)) if misses.size else NONE
