@@ -179,7 +179,7 @@ def test_simulated_data_are_never_called_measured(page, text):
 
 def test_findings_are_there(text):
     """Show what was found in the input on the first screen, with its place."""
-    assert "1 of 601 positions stand out" in text
+    assert "1 of 601 positions are outliers" in text
     assert "row 302" in text.split("How errors grow")[0]
 
 

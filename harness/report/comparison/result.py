@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from harness.errors import EngineFailure
 from harness.formatting import aligned, brief, fixed, plus_minus
 from harness.metrics import Score
-from harness.recording.findings import Finding
+from harness.recording.findings import DataFinding
 from harness.report.answer import answer
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
@@ -40,7 +40,7 @@ def section(subject: Subject) -> Section:
     )
 
 
-def _warnings(subject: Subject) -> tuple[list[Finding], int]:
+def _warnings(subject: Subject) -> tuple[list[DataFinding], int]:
     """The warnings that touch this recording, and how many there are of the case's other recordings."""
     setting = subject.study.setting
     elsewhere = tuple(name for name in setting.case.recordings if name != setting.recording.name)
