@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from tests.shared_data import SHARED
+
 Establish = Callable[..., None]
 _KEY = "accuracy"
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder ../shared with cases and recordings; tests that need it are skipped without."""
+    if not SHARED.is_dir():
+        pytest.skip("the folder ../shared is absent")
+    return SHARED
 
 
 @pytest.fixture

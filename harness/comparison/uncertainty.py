@@ -1,8 +1,8 @@
-"""What a perfect model would still be off by: sensor noise, and the start's and the angle's uncertainty propagated.
+"""Validation uncertainty u_val by Monte Carlo: the error to be expected of a perfect model.
 
-Beam motions and start states are drawn from what the record leaves open and run through CAM, many at once; their
-spread around the run from the best estimates is what inputs make uncertain (ASME V&V 20: u_input), and the reading's
-noise comes on top (u_D).
+Beam motions, start states and, if the rig was estimated, rigs are drawn from their posterior distributions and run
+through CAM. The RMS deviation from the run with the best estimates is the input uncertainty (ASME V&V 20: u_input);
+sensor noise is added (u_D).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from harness.numerics import rms
 
 
 def displacements(setting: Setting) -> list[FloatArray]:
-    """How far drawn inputs move the ball: one array a horizon, shape (draws, runs, n), NaN outside a run [m]."""
+    """Displacement of the ball by each draw, one array of shape (draws, runs, n) per horizon, NaN outside a run [m]."""
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
@@ -30,11 +30,11 @@ def displacements(setting: Setting) -> list[FloatArray]:
     for horizon in setting.horizons:
         runs = len(horizon.first)
         starts = np.repeat(setting.starts(horizon)[None], draws + 1, axis=0)
-        if horizon.seconds is not None or choices.start is None:  # a start that was given is taken for exact
+        if horizon.seconds is not None or choices.start is None:  # a start given by the user is exact
             for i, first in enumerate(horizon.first):
                 starts[1:, i] += _normal(generator, ball.spread(int(first)), draws)
-            # The state was smoothed relative to CAM, whose velocity holds −K ℓ α̇: a beam that turned faster than it was
-            # read leaves the ball that much slower, and the run cancels it again.
+            # The state was smoothed relative to CAM, whose velocity contains −K ℓ α̇: with a beam rate above the
+            # estimate the ball starts correspondingly slower.
             rate = tables[:, 2 * grid.marks[horizon.first], 1]
             starts[1:, :, 1] -= parameters[1:, ECCENTRIC, None] * (rate[1:] - rate[0])
         drawn = integrate(
@@ -51,12 +51,12 @@ def displacements(setting: Setting) -> list[FloatArray]:
 
 
 def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
-    """u_val of the runs that `displacement`, shape (draws, runs, n), belongs to: shape (runs, n) [m]."""
+    """u_val of the runs with `displacement`, shape (draws, runs, n): shape (runs, n) [m]."""
     return validation_uncertainty(setting.reading_noise, rms(displacement, axis=0))
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:
-    """Kernel parameters of the best rig and of rigs drawn from what the estimation leaves open."""
+    """CAM's kernel parameters for the estimated rig (first row) and for rigs drawn from its covariance."""
     vectors = np.tile(setting.vector(CAM), (draws + 1, 1))
     if setting.fitted is not None:
         ratio, level, lever = _normal(generator, setting.fitted.covariance, draws).T
