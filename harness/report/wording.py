@@ -1,4 +1,4 @@
-"""The verdict in one sentence, as one engineer would tell another."""
+"""The verdict of a diagnosis as one sentence."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from harness.identify.selection.candidates import explained
 from harness.identify.validation.held_out import Comparison
 from harness.identify.verdict import Finding, Verdict
 
-_LISTED = 5  # of many names, before the rest is counted
+_MAX_NAMES = 5  # further names are counted instead of listed
 
-# What each effect is called with its values in it; {declared} is what the rig said.
+# Phrase for each effect with its parameters; {declared} is the rig's declared value.
 _PHRASES: Mapping[str, str] = {
     "viscous_damping": "a viscous damping of {coefficient}",
     "quadratic_drag": "a quadratic drag of {coefficient}",
@@ -27,11 +27,11 @@ _PHRASES: Mapping[str, str] = {
     "presliding_hysteresis": "a rolling resistance of {coefficient} with an elastic presliding of {stiffness}",
     "level_error": "a level error of {angle}",
     "track_curvature": "a track curvature of {curvature} about s = {centre}",
-    "track_bump": "a bump of the track of {height} at s = {centre}, {width} wide,",
+    "track_bump": "a track bump of {height} at s = {centre}, {width} wide,",
     "beam_compliance": "a beam compliance of {compliance}",
-    "ball_imbalance": "a ball out of balance by {offset}",
+    "ball_imbalance": "a ball imbalance of {offset}",
     "rolling_radius": "a rolling radius of {radius} instead of {declared}",
-    "contact_slip": "a slip of the ball at a friction coefficient of {friction_coefficient}",
+    "contact_slip": "contact slip at a friction coefficient of {friction_coefficient}",
     "eccentric_pivot": "a pivot eccentricity of {eccentricity}",
     "angle_gain": "a gain of {gain} between measured and real beam angle",
     "linkage_backlash": "a linkage backlash of {width}",
@@ -39,9 +39,9 @@ _PHRASES: Mapping[str, str] = {
     "position_gain": "a gain of {gain} between real and recorded position",
     "position_lag": "a lag of {time_constant} of the position sensor",
 }
-# Units in which these quantities are spoken of, where SI's own are not: (unit, factor to it).
+# Parameters that are not printed in SI units: (unit, factor to it).
 _MILLIMETRES, _DEGREES = ("mm", 1e3), ("°", float(np.degrees(1.0)))
-_SPOKEN: Mapping[tuple[str, str], tuple[str, float]] = {
+_PRINTED_UNITS: Mapping[tuple[str, str], tuple[str, float]] = {
     ("track_bump", "height"): _MILLIMETRES,
     ("track_bump", "width"): _MILLIMETRES,
     ("ball_imbalance", "offset"): ("µm", 1e6),
@@ -57,39 +57,39 @@ DEPENDENCES: Mapping[Depends, str] = {
     Depends.POSITION: "the ball's position",
     Depends.VELOCITY: "the ball's velocity",
     Depends.ANGLE: "the beam angle",
-    Depends.ROLL_ANGLE: "the angle that the ball has rolled",
+    Depends.ROLL_ANGLE: "the ball's rolled angle",
     Depends.TIME: "time",
 }
 
 
 def words(name: str) -> str:
-    """An effect's public name as words: `level error`."""
+    """An effect's name with blanks: `level error`."""
     return name.replace("_", " ")
 
 
 def sentence(diagnosis: Diagnosis) -> str:
-    """The verdict in words; ± are halves of 95 % intervals."""
+    """The verdict in words; ± is half the width of a 95 % interval."""
     match diagnosis.verdict:
         case Verdict.NONE:
             return (
-                "Nothing is missing beyond the noise: no effect of the catalogue predicts these recordings better"
+                "No missing effect was found: no effect of the catalogue predicts these recordings better"
                 f"{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE if not explained(diagnosis.problem, diagnosis.found):
             left = diagnosis.found.root_density / diagnosis.problem.angle_floor
             return (
-                f"These recordings cannot tell: the ball is pushed {number(left, 2)} times as hard as the error of the "
-                f"angle can, but no law that was tried predicts it better beyond chance{_stays(diagnosis.heldout)}."
+                f"Not identifiable from these recordings: the process noise is {number(left, 2)} times its floor, but "
+                f"no law that was tried predicts significantly better{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE:
             return (
-                "These recordings cannot tell: nothing was found, but a typical size of "
-                f"{_some(diagnosis.unseen)} would not have been seen either."
+                "Not identifiable from these recordings: nothing was found, but at their typical size "
+                f"{_some(diagnosis.unseen)} would be below the detection limit."
             )
         case Verdict.UNLISTED:
-            beside = f" beside {_found(diagnosis)}" if diagnosis.findings else ""
+            beside = f" in addition to {_found(diagnosis)}" if diagnosis.findings else ""
             what = f"{_curve(diagnosis)}{beside}{_fall(diagnosis)}"
-            return f"Something is missing that the catalogue does not list, {what}."
+            return f"An effect that is not in the catalogue is missing: {what}."
         case Verdict.EFFECT:
             verb = "was" if len(diagnosis.findings) == 1 else "were"
             text = f"{_found(diagnosis)} {verb} missing{_fall(diagnosis)}."
@@ -107,7 +107,7 @@ def phrase(finding: Finding, rig: Rig) -> str:
 
 
 def _value(effect: str, key: str, value: float, low: float, high: float, unit: str) -> str:
-    unit, factor = _SPOKEN.get((effect, key), ("" if unit == "1" else unit, 1.0))
+    unit, factor = _PRINTED_UNITS.get((effect, key), ("" if unit == "1" else unit, 1.0))
     text = measured(factor * value, 0.5 * factor * (high - low))
     return text + (unit if unit == "°" else f" {unit}" if unit else "")
 
@@ -118,7 +118,7 @@ def _found(diagnosis: Diagnosis) -> str:
 
 def _or(finding: Finding) -> str:
     rivals = [words(name) for name in finding.indistinguishable_from]
-    return f" (or {' or '.join(rivals)}, which these recordings do not tell from it)" if rivals else ""
+    return f" (indistinguishable from {' or '.join(rivals)})" if rivals else ""
 
 
 def _and(parts: Sequence[str]) -> str:
@@ -127,8 +127,8 @@ def _and(parts: Sequence[str]) -> str:
 
 
 def _some(names: Sequence[str]) -> str:
-    listed = [words(name) for name in names[:_LISTED]]
-    return _and(listed if len(names) <= _LISTED else [*listed, f"{len(names) - _LISTED} more"])
+    listed = [words(name) for name in names[:_MAX_NAMES]]
+    return _and(listed if len(names) <= _MAX_NAMES else [*listed, f"{len(names) - _MAX_NAMES} more"])
 
 
 def _curve(diagnosis: Diagnosis) -> str:
@@ -142,7 +142,7 @@ def _curve(diagnosis: Diagnosis) -> str:
 
 
 def _ends(heldout: Comparison) -> tuple[str, float, float] | None:
-    """Over what the held-out error is told, before and after [m]: the rest of a recording, else the longest windows."""
+    """Text, before and after [m] of the held-out error over the rest of a recording, else over the longest windows."""
     both = [name for name in heldout.before.rms if name in heldout.after.rms]
     if not both:
         return None
@@ -153,9 +153,9 @@ def _ends(heldout: Comparison) -> tuple[str, float, float] | None:
 def _fall(diagnosis: Diagnosis) -> str:
     ends = _ends(diagnosis.heldout)
     if ends is None:
-        return "; the recordings are too short to hold any of them out"
+        return "; the recordings are too short for held-out errors"
     span, before, after = ends
-    verb = "falls" if after < before else "does not fall but goes"
+    verb = "decreases" if after < before else "increases"
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"
 
 
@@ -165,7 +165,7 @@ def _stays(heldout: Comparison) -> str:
 
 
 def error_size(metres: float) -> str:
-    """An error in millimetres, from a metre on in metres."""
+    """An error in millimetres, from one metre in metres."""
     if metres >= 0.9995:
         return f"{number(metres)} m"
     return f"{number(1e3 * metres, 3 if metres >= 0.00995 else 2)} mm"

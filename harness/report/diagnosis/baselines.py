@@ -1,4 +1,4 @@
-"""Yardsticks: whether the model predicts better than models that know next to nothing."""
+"""Section comparing the model's predictions with those of two baseline models."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _TITLES = {
 
 
 def section(account: Account) -> Section | None:
-    """The yardsticks; `None` where nothing was long enough to be predicted."""
+    """The section; `None` if the recordings are too short for prediction windows."""
     contest = account.diagnosis.contest
     if contest is None:
         return None
@@ -41,35 +41,33 @@ def section(account: Account) -> Section | None:
         "windows": contest.windows,
         "table": _table(contest),
     }
-    return Section("yardsticks", "Yardsticks", "Yardsticks", "diagnosis/baselines.html", context)
+    return Section("baselines", "Comparison with baseline models", "Baselines", "diagnosis/baselines.html", context)
 
 
 def _answer(contest: Contest) -> str:
-    """Whether both are beaten, in words."""
+    """Whether the model predicts better than both baselines, in words."""
     margins = {name: contest.margin(name) for name in YARDSTICKS}
     if any(margin is None for margin in margins.values()):
-        return "There are too few windows to say who predicts better."
+        return "There are too few windows for a comparison."
     sure = [name for name, margin in margins.items() if margin is not None and margin.sure]
     ahead = [name for name, margin in margins.items() if margin is not None and margin.value > 0.0]
     if len(sure) == len(YARDSTICKS):
-        return "The model predicts better than both yardsticks, beyond what the choice of windows may do."
+        return "The model predicts significantly better than both baselines."
     if len(ahead) == len(YARDSTICKS):
         unsure = " and the ".join(_TITLES[name].split(",")[0] for name in YARDSTICKS if name not in sure)
-        return (
-            f"The model predicts better than both yardsticks, but so few windows do not make it sure of the {unsure}."
-        )
+        return f"The model predicts better than both baselines, but not significantly better than the {unsure}."
     behind = " and the ".join(_TITLES[name].split(",")[0] for name in YARDSTICKS if name not in ahead)
-    return f"The model predicts no better than the {behind}: what acts on this rig is not described by it."
+    return f"The model predicts no better than the {behind}: it does not describe this rig."
 
 
 def _table(contest: Contest) -> Table:
     columns = [
-        Column("predicted by", text=True),
+        Column("model", text=True),
         Column("RMS error"),
         Column("median of windows"),
-        Column("with what was found is better by"),
+        Column("improvement with the effects found"),
         Column("95 % interval"),
-        Column("in windows"),
+        Column("windows with smaller error"),
     ]
     rows = []
     for name, misses in contest.misses.items():

@@ -1,4 +1,4 @@
-"""The first screen: the verdict in a sentence, what was found, and predictions without and with it."""
+"""First section: the verdict in a sentence, the effects found, and predictions without and with them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, 
 from harness.report.tables import Column, Row, Table
 from harness.report.wording import error_size, sentence, words
 
-_REACH = 3.0  # times the largest error: a wider band would leave no room for the errors themselves
+_MAX_BAND = 3.0  # of the uncertainty band in the figure, times the largest error
 
 
 def section(account: Account) -> Section:
@@ -32,7 +32,7 @@ def section(account: Account) -> Section:
         "sentence": sentence(account.diagnosis),
         "glance": _glance(account),
         "found": _found(account) if account.diagnosis.findings else None,
-        # Beside a curve nothing was tried again, and without it the process noise hides what is small.
+        # Detection limits are not evaluated together with a spline term.
         "unseen": () if account.diagnosis.found.best.shape is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
         "picture": _before_after(account),
@@ -41,26 +41,26 @@ def section(account: Account) -> Section:
 
 
 def _glance(account: Account) -> list[tuple[str, str, str]]:
-    """What the page says further down, in a few words: the anchor, its name, the words."""
+    """Summaries of later sections: anchor, name, text."""
     diagnosis = account.diagnosis
     said = []
     if account.changed:
         said.append(("rivals", "Rivals", _nearest(account)))
     said.append(("errors", "Innovations", _independence(account)))
     kept = sum(one.kept for one in diagnosis.ledger)
-    said.append(("ledger", "Ledger", f"{len(diagnosis.ledger)} attempts, {kept} kept when they were made"))
+    said.append(("ledger", "Ledger", f"{len(diagnosis.ledger)} entries, {kept} kept at first"))
     if diagnosis.next_experiment is not None:
         said.append(("experiment", "Next experiment", words(proposal.sentence(diagnosis.next_experiment))))
     return said
 
 
 def _nearest(account: Account) -> str:
-    """The effect that comes closest to what was found with as many others beside it, or the other curve."""
+    """The closest rival: a hypothesis with as many effects, or another spline term."""
     found = account.diagnosis.found
     curve = found.hypothesis.shape is not None
 
     def other(one: Entry) -> bool:
-        """A `curve` rule holds the same curve with more nodes, or with what it contains."""
+        """Entries of the rule `curve` are the same spline term with more nodes or nested effects."""
         theirs = one.fit.hypothesis
         if one.kept or (theirs.shape is not None) != curve or one.rule == "curve":
             return False
@@ -68,23 +68,23 @@ def _nearest(account: Account) -> str:
 
     others = [one for one in account.diagnosis.ledger if other(one)]
     if not others:
-        return "nothing else was fitted in the same place"
-    behind, nearest = min(
+        return "no alternative was fitted"
+    difference, nearest = min(
         (one.fit.bic - found.bic if curve else one.fit.score - found.score, one.effect) for one in others
     )
-    told = "told apart" if behind >= RIVAL else "not told apart"
-    return f"the nearest is {words(nearest)}, {number(behind)} behind in {'' if curve else 'scaled '}BIC: {told}"
+    told = "distinguishable" if difference >= RIVAL else "not distinguishable"
+    return f"the closest is {words(nearest)}, {'' if curve else 'quasi-'}BIC difference {number(difference)}: {told}"
 
 
 def _independence(account: Account) -> str:
-    """Whether held-out innovations still know the beam's motion."""
+    """Whether held-out innovations are independent of the beam's motion."""
     tests = account.diagnosis.heldout.after.beam
     if not any(one.freedom for one in tests.values()):
         return "too few readings to test"
     least = min(one.p for one in tests.values())
     size = number(account.diagnosis.heldout.after.ratio)
-    knows = "independent of" if least >= SIGNIFICANT else "not independent of"
-    return f"{size} times the reading's noise, {knows} the beam's motion (p = {brief(least, 2)} at least), held out"
+    relation = "independent of" if least >= SIGNIFICANT else "not independent of"
+    return f"held out, {size} times the reading noise, {relation} the beam's motion (smallest p = {brief(least, 2)})"
 
 
 def _found(account: Account) -> Table:
@@ -95,11 +95,11 @@ def _found(account: Account) -> Table:
         Column("value"),
         Column("95 % interval"),
         Column("unit", text=True),
-        Column("not to be told from", text=True),
+        Column("indistinguishable from", text=True),
     ]
     rows = []
     for one in account.diagnosis.findings:
-        rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
+        rivals = ", ".join(one.indistinguishable_from) or "none"
         for key, (value, low, high, unit) in one.values.items():
             first = key == next(iter(one.values))
             head = (f"`{one.name}`", CATALOGUE[one.name].law) if first else ("", "")
@@ -107,11 +107,11 @@ def _found(account: Account) -> Table:
             interval = f"{number(low, digits)} … {number(high, digits)}"
             cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
             rows.append(Row(cells, "best" if first else ""))
-    return Table("What was missing (± above are halves of these intervals)", columns, rows)
+    return Table("Effects found (± above is half the width of these intervals)", columns, rows)
 
 
 def _digits(value: float, width: float) -> int:
-    """Significant digits of a value that show an interval of this width with two."""
+    """Significant digits of a value at which an interval of this width has two."""
     if not (value and width > 0.0):
         return 3
     return int(np.clip(np.floor(np.log10(abs(value))) - np.floor(np.log10(width)) + 2, 2, 6))
@@ -132,7 +132,7 @@ def _before_after(account: Account) -> Picture:
         _panel(top, time, reading, runs, closest)
         top.set_ylabel("position $s$ [m]")
         errors = [(1e3 * (one.position - reading), look) for one, look in runs]
-        # A reading has its own noise beside the prediction's.
+        # The difference contains the noise of the reading.
         reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.noise)
         thin = slice(None, None, thinning(len(time)))
         band(bottom, time, -reach, reach)
@@ -140,7 +140,7 @@ def _before_after(account: Account) -> Picture:
             line(bottom, time[thin], error[thin], look)
         bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
         seen = errors[-1][0][np.isfinite(reading)]
-        most = _REACH * float(np.max(np.abs(seen)))
+        most = _MAX_BAND * float(np.max(np.abs(seen)))
         frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
         for error, look in errors:
             mark_exits(bottom, time, error, look)
@@ -153,12 +153,12 @@ def _before_after(account: Account) -> Picture:
         entries += [sample(look, look.label) for _, look in runs]
         figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
         ends = ", ".join(f"{look.label} {_error(one, reading, ~first)}" for one, look in runs)
-        alt = f"Recorded and predicted position of {shown.name} without and with what was found, and their differences."
+        alt = f"Recorded and predicted position of {shown.name} without and with the effects found; differences."
         caption = (
             f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
-            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below with the reading's noise. "
-            "Triangles: a line leaves the frame. Values here are those of the verdict, for which this recording was "
-            "used too; errors on data that were not used stand below."
+            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below including reading "
+            "noise. Triangles: a line leaves the frame. Parameters are those of the verdict, fitted to this recording "
+            "too; for held-out errors see below."
         )
         return picture(figure, alt, caption)
 
