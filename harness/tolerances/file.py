@@ -172,7 +172,7 @@ def _limit(place: str, name: str, metric: Metric, value: Any) -> float:
     number = _number(f"{place} {name}", value)
     if number < 0.0 and metric.better is not Better.LARGER:
         raise InputError(
-            f"{place} {name} = {number:g} can never be satisfied. The metric is a magnitude; give a positive number."
+            f"{place} {name} = {number:g} cannot be satisfied. The metric is a magnitude; give a positive number."
         )
     return number
 

@@ -14,22 +14,22 @@ ONE = 1e-3 * np.array([1.0, 2.0, 1.5, 2.5, 1.2, 1.8])
 @pytest.mark.parametrize(
     ("integrator", "black_box", "said"),
     [
-        (3.0 * ONE, 2.0 * ONE, "better than both yardsticks, beyond"),
-        (3.0 * ONE, 1.01 * ONE[::-1], "do not make it sure of the output-error model"),
+        (3.0 * ONE, 2.0 * ONE, "significantly better than both baselines"),
+        (3.0 * ONE, 1.01 * ONE[::-1], "not significantly better than the output-error model"),
         (0.5 * ONE, 2.0 * ONE, "no better than the double integrator:"),
         (3.0 * ONE[:3], 2.0 * ONE[:3], "too few windows"),
     ],
     ids=["both beaten", "one perhaps", "one not", "too few"],
 )
 def test_the_answer_goes_with_the_margins(integrator, black_box, said):
-    """Say that both are beaten only where both intervals lie beyond 0."""
+    """Claim a significant improvement only if both intervals are above 0."""
     own = ONE[: len(integrator)]
     made = Contest({BEFORE: 2.0 * own, AFTER: own, INTEGRATOR: integrator, BLACK_BOX: black_box})
     assert said in _answer(made)
 
 
 def test_every_contender_has_a_row_and_the_best_is_set_apart():
-    """Count the windows, and mark the least RMS error."""
+    """Count the windows, and mark the smallest RMS error."""
     made = Contest({BEFORE: 2.0 * ONE, AFTER: ONE, INTEGRATOR: 3.0 * ONE, BLACK_BOX: 4.0 * ONE})
     rows = _table(made).rows
     assert [row.kind == "best" for row in rows] == [False, True, False, False]

@@ -186,7 +186,7 @@ def test_findings_are_there(text):
 def test_failures_are_prominent(text):
     """Name a failed engine, when and why, before anything else is said."""
     alert = text.index("broken failed at t = 0.300 s: the ball left the groove")
-    assert alert < text.index("PyBullet repeats CAM")
+    assert alert < text.index("PyBullet agrees with CAM")
     assert text.index("broken failed") < alert, "the badge beside the title"
 
 

@@ -35,7 +35,7 @@ def section(account: Account) -> Section:
         _table(account, "Identification", diagnosis.identify, diagnosis.engines),
     ]
     for name, one in diagnosis.also.items():
-        tables.append(_table(account, f"{name}, not used for fitting", one.errors, one.engines))
+        tables.append(_table(account, f"Also {name}, not used for fitting", one.errors, one.engines))
     context = {
         "split": "each recording in turn, with parameters fitted to the others"
         if several
