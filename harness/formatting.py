@@ -1,4 +1,4 @@
-"""Numbers as a person wants to read them: few digits, true minus signs, a unit of fitting size."""
+"""Formats numbers for reports: significant digits, minus signs, suitable length units."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import math
 from collections.abc import Sequence
 from decimal import Decimal
 
-NONE = "—"  # printed for what is not defined
+NONE = "—"  # printed for undefined values
 _NARROW_SPACE = "\u202f"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_SMALLEST = 1e-9  # below this a length means nothing here [m]
+_MIN_LENGTH = 1e-9  # smaller lengths are printed as "< 1 nm" [m]
 _LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 
 
 def number(value: float, significant: int = 3) -> str:
-    """`value` with so many significant digits; whole numbers are never cut."""
+    """`value` with `significant` digits; digits before the decimal point are never rounded off."""
     special = _special(value)
     if special is not None:
         return special
@@ -27,7 +27,7 @@ def number(value: float, significant: int = 3) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """`value` with so many decimals."""
+    """`value` with `decimals` decimals."""
     if not math.isfinite(value):
         return _special(value) or NONE
     text = f"{value:,.{decimals}f}".replace(",", _NARROW_SPACE if abs(value) >= 1e4 else "")
@@ -37,16 +37,16 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def brief(value: float, significant: int = 3) -> str:
-    """As `number`, without trailing zeros: for round figures such as lengths of windows and ticks."""
+    """As `number`, without trailing zeros: for round values such as window lengths and ticks."""
     text = number(value, significant)
     mantissa, times, power = text.partition("·")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
 
 
 def aligned(values: Sequence[float], significant: int = 3, most: int = 4) -> list[str]:
-    """A column of numbers with common decimals, so that they can be compared at a glance.
+    """A column of numbers with a common number of decimals, at most `most`.
 
-    The decimals give the smallest of them `significant` digits, unless the largest then had two more than that.
+    The smallest value gets `significant` digits, unless the largest would then have more than two additional ones.
     """
     sizes = [abs(value) for value in values if math.isfinite(value) and value != 0.0]
     if not sizes:
@@ -57,32 +57,32 @@ def aligned(values: Sequence[float], significant: int = 3, most: int = 4) -> lis
 
 
 def length(value: float, significant: int = 3) -> str:
-    """A length given in metres, with the unit that leaves one to three digits before the point."""
+    """A length [m] with the unit (m, mm, µm, nm) that gives one to three digits before the point."""
     if not math.isfinite(value) or value == 0.0:
         return f"{number(value)} m" if value == 0.0 or math.isinf(value) else NONE
-    if abs(value) < _SMALLEST:
-        return f"< {length(_SMALLEST, 1)}"
+    if abs(value) < _MIN_LENGTH:
+        return f"< {length(_MIN_LENGTH, 1)}"
     scale, unit = next(((s, u) for s, u in _LENGTHS if abs(value) >= s * 0.9995), _LENGTHS[-1])
     return f"{number(value / scale, significant)} {unit}"
 
 
 def plus_minus(value: float, std: float) -> str:
-    """`value ± std`, the deviation with two digits and the value with as many decimals; alone if there is none."""
+    """`value ± std`, std with two digits and the value with as many decimals; only the value without a valid std."""
     if not (math.isfinite(value) and math.isfinite(std) and std > 0.0):
         return number(value)
     decimals = max(0, 1 - math.floor(math.log10(std)))
     return f"{fixed(value, decimals)} ± {fixed(std, decimals)}"
 
 
-def measured(value: float, reach: float) -> str:
-    """`value ± reach`, both cut where the reach has one or two digits left; alone if there is none.
+def measured(value: float, half_width: float) -> str:
+    """`value ± half_width`, rounded to one or two digits of the half width; only the value without a valid half width.
 
-    Two where its first three digits are below 355, else one; 950 and more become 1000 (Particle Data Group, Review of
-    Particle Physics, introduction, section 5.3): so rounding never changes the reach by more than a seventh.
+    Two digits if its first three digits are below 355, else one; 950 and above become 1000 (Particle Data Group, Review
+    of Particle Physics, introduction, section 5.3). Rounding changes the half width by at most a seventh.
     """
-    if not (math.isfinite(value) and math.isfinite(reach) and reach > 0.0):
+    if not (math.isfinite(value) and math.isfinite(half_width) and half_width > 0.0):
         return number(value)
-    three = f"{reach:.2e}"
+    three = f"{half_width:.2e}"
     first, power = three.split("e")
     decimals = (1 if float(first) <= 3.54 else 0) - int(power)
     kept = max(decimals, 0)
@@ -90,7 +90,7 @@ def measured(value: float, reach: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share of 1 in percent, without pretending to more than it holds."""
+    """A share of 1 in percent, from 10 % on without decimals."""
     return f"{fixed(100.0 * share, 0 if abs(share) >= 0.0995 else 1)} %" if math.isfinite(share) else NONE
 
 

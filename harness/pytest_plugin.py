@@ -171,7 +171,7 @@ class LimitItem(pytest.Item):
         if not isinstance(excinfo.value, BrokenLimitError):
             return super().repr_failure(excinfo, style)
         tweaks = self.config.stash[_INSPECTION].tweaks
-        return "\n".join([excinfo.value.checked.finding(), *(f"set: {tweak}" for tweak in tweaks)])
+        return "\n".join([excinfo.value.checked.outcome(), *(f"set: {tweak}" for tweak in tweaks)])
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where the limit stands."""

@@ -1,7 +1,7 @@
-"""The rig as MJCF text, for any rig; every length comes from `analytic.geometry`.
+"""Generates the MJCF scene of any rig; all lengths come from `analytic.geometry`.
 
-The ball touches the inner top edges of two boxes, the channel's walls. MuJoCo computes the contact of a sphere with a
-box in closed form; a U-shaped mesh would become its convex hull and carry the ball on one contact.
+The ball touches the inner top edges of two boxes, the walls of the channel. MuJoCo computes sphere–box contacts in
+closed form; a U-shaped mesh would be replaced by its convex hull with a single contact.
 
 `python -m mjcf.scene` writes `ball_beam.xml` for the paper's rig.
 """
@@ -23,27 +23,27 @@ Attributes = Mapping[str, Attribute]
 
 TIME_STEP = 1e-3  # of the committed scene [s]
 ARMATURE = 1e11  # inertia of the pivot [kg m²]: the ball's weight (0.3 N m) turns the beam by 2e-10 rad in 10 s
-SERVO = 6 * math.pi  # natural frequency of the viewer's beam servo, critically damped [rad/s]
+SERVO_FREQUENCY = 6 * math.pi  # natural frequency of the viewer's beam servo, critically damped [rad/s]
 SERVO_RANGE = math.radians(6.0)  # the paper's beam moves within ±6° [rad]
-BALL_AT = 0.36  # where the paper's runs start [m]
+BALL_START = 0.36  # start position of the paper's runs [m]
 
-# MuJoCo lays a contact's first tangent along world y as long as the normal leans less than 30° (|n_y| < 1/2): then it
-# is the across direction at any beam angle. Beyond, it starts from z, and only isotropic friction is sure of its axes.
+# MuJoCo aligns a contact's first tangent with world y if the normal is inclined by less than 30° (|n_y| < 1/2): it
+# is then across the beam at any beam angle. Beyond, it is aligned with z, and friction has to be isotropic.
 LEAN_LIMIT = 0.5
-# In a groove friction across the beam would share the load with the normals. At a 2000th of the friction along, and as
-# soft as `impratio_of` makes it, its share is below 1e-5 of the weight: each contact carries N R/(2 r), and the cone of
-# friction is never saturated, so that Newton's method converges in one iteration.
+# In a groove friction across the beam would carry part of the load. At 1/2000 of the friction along the beam, and
+# softened by `impratio_of`, its share is below 1e-5 of the weight: each contact carries N R/(2 r), and the friction
+# cone is never saturated, so that Newton's method converges in one iteration.
 ACROSS = 1 / 2000
 FRICTION = 0.5
-# Share of the slip velocity that friction removes in a step. MuJoCo builds a contact's frame at the step's beginning,
-# which leaves a slip of ½ s α̇² dt (2 − x)/x: it vanishes for x = 2, where the damping does too.
+# Share x of the slip velocity that friction removes per step. MuJoCo computes a contact's frame at the beginning of the
+# step, which leaves a slip of ½ s α̇² dt (2 − x)/x; it vanishes for x = 2, but so does the damping.
 RELAXATION = 1.8
-# With a time constant of 2 dt, the shortest MuJoCo allows, this takes off a penetration and its rate in one step:
+# With a time constant of 2 dt, MuJoCo's minimum, this removes a penetration and its rate in one step:
 # λ² − (2 − b − k) λ + (1 − b) = 0 has λ = 0 twice for b = 2 dt/T and k = (dt/(T ζ))² both 1, T = 2 dt.
 DAMPING_RATIO = 0.5
 IMPEDANCE = 0.99
 
-# The drawn stand; nothing touches it [m].
+# Visual stand without contacts [m].
 PLATE = 0.006
 BRACKET = 0.015
 AXLE_RADIUS = 0.005
@@ -53,18 +53,18 @@ BASE_WIDTH = 0.06
 
 
 def aligned(rig: Rig) -> bool:
-    """Whether the friction axes MuJoCo chooses lie along and across the beam at any beam angle."""
+    """Whether MuJoCo's friction axes are along and across the beam at any beam angle."""
     return math.sin(rig.contact_angle) < LEAN_LIMIT
 
 
 def default_option(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribute]:
-    """Attributes of `<option>` with which the scene reaches its validated accuracy."""
+    """Attributes of `<option>` that attain the validated accuracy."""
     return {
         "timestep": time_step,
         "integrator": "Euler",
         "solver": "Newton",
         "cone": "elliptic",
-        "jacobian": "dense",  # 4.0.0 has a fault in the sparse Cholesky factorisation
+        "jacobian": "dense",  # 4.0.0 has a bug in the sparse Cholesky factorisation
         "iterations": 50,
         "tolerance": 1e-16,  # relative to the pivot's inertia
         "impratio": impratio_of(ACROSS if aligned(rig) else 1.0),
@@ -86,18 +86,18 @@ def default_pair(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribute]
 
 
 def impratio_of(ratio: float) -> float:
-    """`impratio` for friction coefficients in the ratio across : along [1].
+    """`impratio` for a `ratio` of friction coefficients across/along the beam [1].
 
-    MuJoCo softens the across direction by 1/impratio, and the along direction by (across/along)² of that. This makes
-    the along direction ten times as hard as the normal, so that friction creeps little.
+    MuJoCo softens friction across by 1/impratio, and friction along by (across/along)² of that. The result makes
+    friction along the beam ten times as stiff as the normal, so that it creeps little.
     """
     return min(1.0, 10.0 * ratio**2)
 
 
 def friction_reference(relaxation: float, impedance: float, time_step: float) -> tuple[float, float]:
-    """`solreffriction` that removes the share `relaxation` of a slip velocity in a step [1/s², 1/s].
+    """`solreffriction` that removes the share `relaxation` of a slip velocity per step [1/s², 1/s].
 
-    MuJoCo divides the damping by the impedance dmax. Friction has no position to hold; the stiffness is idle.
+    MuJoCo divides the damping by the impedance dmax. The stiffness has no effect, as friction holds no position.
     """
     return -1.0 / time_step**2, -relaxation * impedance / time_step
 
@@ -114,12 +114,12 @@ def make_scene(
 
     Args:
         rig: the rig; `level_angle` tilts gravity, so that it acts along the beam as g sin(α + α₀).
-        channel: its channel; `None` for the drawn one.
+        channel: geometry; `None` for the default of `channel_of`.
         option: attributes of `<option>`, `None` for `default_option`.
         pair: attributes of the contacts, `None` for `default_pair`.
-        driven: what `harness.engines.mujoco` steps: nothing drawn, the one actuator takes the beam's angular
-            acceleration [rad/s²], and sensors report both contacts. Otherwise a scene to look at and play with: a servo
-            that holds the angle it is given [rad], a stand, and stops at the channel's ends.
+        driven: the scene used by `harness.engines.mujoco`: no visuals, an actuator for the beam's angular acceleration
+            [rad/s²], and sensors of both contacts. Otherwise a scene for the viewer, with a servo for the beam angle
+            [rad], a stand, and end stops.
     """
     channel = channel or channel_of(rig)
     # g sin(α + α₀) along e_s and −g cos(α + α₀) along e_n
@@ -153,7 +153,7 @@ def write(path: Path = SCENE_FILE, rig: Rig | None = None) -> Path:
     return path
 
 
-# Headlight down, a soft key light, and a mark on the ball so that one sees it roll.
+# Dim headlight, soft key light, and a mark on the ball that shows its rotation.
 _LOOKS = """\
 <statistic center="0.3 0 -0.04" extent="0.6"/>
 
@@ -178,7 +178,7 @@ _LOOKS = """\
 
 
 def _stand(channel: Channel) -> str:
-    """Table, base plate, the two cheeks that carry the axle, lights and cameras."""
+    """Table, base plate, the two cheeks carrying the axle, lights and cameras."""
     cheek = channel.half_gap + channel.wall_thickness + 1.5 * PLATE + 0.001
     top = 3 * AXLE_RADIUS
     cheeks = [
@@ -211,7 +211,7 @@ def _beam(channel: Channel, driven: bool) -> str:
     ]
     return _block(
         'body name="beam"',
-        # A pivot inertia of its own makes the beam follow its drive whatever lies on it.
+        # The large armature makes the beam follow its drive under any load.
         _tag("inertial", {"pos": (0, 0, 0), "mass": 1, "diaginertia": (1, 1, 1)}),
         _tag("joint", {"name": "pivot", "type": "hinge", "axis": (0, 1, 0), "armature": ARMATURE}),
         *rails,
@@ -248,10 +248,10 @@ def _fittings(channel: Channel) -> list[str]:
 
 
 def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
-    """The ball with its declared inertia, which need not be that of a homogeneous sphere."""
+    """The ball with its declared inertia, not necessarily that of a homogeneous sphere."""
     looks = {} if driven else {"material": "steel"}
     return _block(
-        f'body name="ball" pos="{_text((BALL_AT, 0.0, channel.ball_height))}"',
+        f'body name="ball" pos="{_text((BALL_START, 0.0, channel.ball_height))}"',
         _tag("freejoint", {"name": "ball"}),
         _tag("inertial", {"pos": (0, 0, 0), "mass": rig.mass, "diaginertia": (rig.inertia,) * 3}),
         _tag("geom", {"name": "ball", "type": "sphere", "size": rig.radius, **looks}),
@@ -259,7 +259,7 @@ def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
 
 
 def _servo() -> str:
-    gains = {"kp": ARMATURE * SERVO**2, "kv": 2 * ARMATURE * SERVO}
+    gains = {"kp": ARMATURE * SERVO_FREQUENCY**2, "kv": 2 * ARMATURE * SERVO_FREQUENCY}
     return _tag("position", {"name": "angle", "joint": "pivot", "ctrlrange": (-SERVO_RANGE, SERVO_RANGE), **gains})
 
 

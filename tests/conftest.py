@@ -14,6 +14,14 @@ Establish = Callable[..., None]
 _KEY = "accuracy"
 
 
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder ../shared with cases and recordings; tests that need it are skipped without."""
+    if not SHARED.is_dir():
+        pytest.skip("the folder ../shared is absent")
+    return SHARED
+
+
 @pytest.fixture
 def establish(record_property: Callable[[str, object], None]) -> Establish:
     """Record one line of the table and hold the measured figure to its tolerance."""
@@ -29,14 +37,6 @@ def establish(record_property: Callable[[str, object], None]) -> Establish:
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Posed:
     """Nothing is hidden; a third recording is to be predicted."""
     return pose(tmp_path_factory.mktemp("plain") / "case", 0, predict=1)
-
-
-@pytest.fixture(scope="session")
-def shared() -> Path:
-    """The folder with cases and recordings that are handed out beside the repository."""
-    if not SHARED.is_dir():
-        pytest.skip("the folder ../shared is absent")
-    return SHARED
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -1,4 +1,4 @@
-"""One recording through every model and engine: trajectories, scores, attribution, the paper's claims."""
+"""Compares all models and engines on one recording: trajectories, scores, error attribution, the paper's claims."""
 
 from harness.comparison.setting import Choices, Setting, prepare
 from harness.comparison.study import Study, study

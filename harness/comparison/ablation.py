@@ -1,8 +1,8 @@
-"""Which choice separates CAM from CUM, and which one pays: every combination of them on the same recording.
+"""Full-factorial ablation of the model terms that separate CAM from CUM, on one recording.
 
-Four choices are crossed: the radius in the inertia (R or r), the α̈ term, α₀ (0 or fitted) and the friction's reading
-(none or one of four, f_b fitted). What is fitted is fitted for each combination anew, on the runs that are scored, as
-the paper did: the question is what the best of each kind can do.
+Factors: the radius in the inertia (R or r), the α̈ term, α₀ (0 or fitted) and the reading of the friction law (none or
+one of four, f_b fitted). α₀ and f_b are fitted separately for each combination, on the runs that are scored, as in the
+paper: combinations are compared at their best fit.
 """
 
 from __future__ import annotations
@@ -18,31 +18,32 @@ from analytic.models import CUM, FRICTION_GAIN, LEVEL, Model, Reading
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
+from harness.numerics import rms
 
-_FRICTION_START = {  # of f_b, in the unit its reading needs: each slows a ball at 0.1 m/s by some 0.03 m/s²
+_FRICTION_START = {  # initial f_b in the unit of its reading; each decelerates a ball at 0.1 m/s by some 0.03 m/s²
     Reading.PRINTED: 0.05,
     Reading.PRINTED_DISSIPATIVE: 0.05,
     Reading.COULOMB: 0.005,
     Reading.VISCOUS: 0.03,
 }
 
-_LOST = 1e3  # the error of a run that ran away, finite so that the fit can turn back from it [m]
+_DIVERGED_ERROR = 1e3  # error assigned to a diverged run, finite so that the fit can continue [m]
 
 
 @dataclass(frozen=True)
 class Combination:
-    """One way to build a model, and how well the best of its kind does.
+    """One combination of model terms with its fitted parameters and errors.
 
     Attributes:
         radius: in the inertia, "R" or "r".
-        eccentric: with the α̈ term.
+        eccentric: whether the α̈ term is included.
         level: whether α₀ was fitted; else it is 0.
-        reading: of the friction.
+        reading: of the friction law.
         level_angle: α₀ [rad].
         friction_coefficient: f_b in the reading's unit; 0 without friction.
         max_error, rms_error: over all runs [m].
         e_disp: ∫|e_s| dt over all runs [m s].
-        position: of its runs, shape (runs, n), NaN outside [m].
+        position: of the ball, shape (runs, n), NaN outside a run [m].
     """
 
     radius: str
@@ -58,12 +59,12 @@ class Combination:
 
     @property
     def key(self) -> tuple[str, bool, bool, Reading]:
-        """Which choices these are."""
+        """The levels of the four factors."""
         return self.radius, self.eccentric, self.level, self.reading
 
 
 def ablate(setting: Setting, horizon: Horizon) -> dict[tuple[str, bool, bool, Reading], Combination]:
-    """All combinations on the runs of `horizon`, by their key."""
+    """Fits and scores all combinations on the runs of `horizon`; by `Combination.key`."""
     grid = Grid.over(setting.time)
     table = grid.tabulate(setting.motion)
     found = {}
@@ -95,7 +96,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
     def errors(x: FloatArray) -> FloatArray:
         position = run(x)
         pieces = [(position[i, w] - measured[w])[use[i]] for i, w in enumerate(horizon.slices())]
-        return np.nan_to_num(np.concatenate(pieces), nan=_LOST).clip(-_LOST, _LOST)
+        return np.nan_to_num(np.concatenate(pieces), nan=_DIVERGED_ERROR).clip(-_DIVERGED_ERROR, _DIVERGED_ERROR)
 
     x = np.array([0.0] * level + ([_FRICTION_START[model.reading]] if model.reading else []))
     if len(x):
@@ -115,7 +116,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
         level_angle=float(x[0]) if level else 0.0,
         friction_coefficient=float(x[-1]) if model.reading else 0.0,
         max_error=float(np.max(np.abs(error))),
-        rms_error=float(np.sqrt(np.mean(error**2))),
+        rms_error=rms(error),
         e_disp=e_disp,
         position=position,
     )

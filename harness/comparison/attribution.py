@@ -1,13 +1,13 @@
-"""Why an engine disagrees with the measurement: step size, contact model, or physics that no model here has.
+"""Attribution of an engine's error to step size, contact model and physics that all models lack.
 
-The engine's error is split without remainder along a chain of runs from the same start, driven alike:
+The error is the exact sum of three differences between runs from the same start with the same drive:
 
     engine − measured = (engine − engine at dt → 0) + (engine at dt → 0 − CAM) + (CAM − measured)
                            numerical                    contact model             physics
 
 The limit dt → 0 is extrapolated from runs at 2 dt, dt and dt/2 after Richardson (Roache, "Quantification of
-uncertainty in computational fluid dynamics", Annu. Rev. Fluid Mech. 29, 1997), with the order of convergence that these
-three show: it depends on the engine and on its contact settings.
+uncertainty in computational fluid dynamics", Annu. Rev. Fluid Mech. 29, 1997), with the observed order of convergence,
+which depends on the engine and its contact settings.
 """
 
 from __future__ import annotations
@@ -21,20 +21,21 @@ from analytic.motion import FloatArray
 from harness.comparison.setting import Setting
 from harness.comparison.sources import SourceRuns, run_engine
 from harness.engines.protocol import Engine, EngineParameters
+from harness.numerics import rms
 
-_LOWEST, _HIGHEST = 1.0, 3.0  # the least that a driven run promises; what a mixture of orders 1 and 2 may look like
+_MIN_ORDER, _MAX_ORDER = 1.0, 3.0  # first order is guaranteed; cancelling terms of order 1 and 2 may look like 3
 
 
 @dataclass(frozen=True)
 class Attribution:
-    """The parts of one engine's error over one free run; arrays of shape (n,), NaN outside the run [m].
+    """The parts of one engine's error in one free run; arrays of shape (n,), NaN outside the run [m].
 
     Attributes:
-        source: the engine.
-        time_step: its step [s].
-        numerical, contact, physics: the parts; they add up to engine − measured.
-        use: stamps at which the measurement counts, shape (n,).
-        order: of the convergence that the three runs show.
+        source: name of the engine.
+        time_step: of the engine [s].
+        numerical, contact, physics: the parts; their sum is engine − measured.
+        use: stamps with a valid measurement, shape (n,).
+        order: observed order of convergence.
     """
 
     source: str
@@ -49,10 +50,10 @@ class Attribution:
         """RMS of each part and of their sum, `total` [m]."""
         parts = {"numerical": self.numerical, "contact": self.contact, "physics": self.physics}
         parts["total"] = self.numerical + self.contact + self.physics
-        return {name: float(np.sqrt(np.mean(part[self.use] ** 2))) for name, part in parts.items()}
+        return {name: rms(part[self.use]) for name, part in parts.items()}
 
     def shares(self) -> dict[str, float]:
-        """Share of each part in the mean square error; they add up to 1, and one is negative where it compensates."""
+        """Share of each part in the mean square error; the sum is 1, and a part that compensates others is negative."""
         total = (self.numerical + self.contact + self.physics)[self.use]
         square = float(np.mean(total**2))
         parts = {"numerical": self.numerical, "contact": self.contact, "physics": self.physics}
@@ -62,7 +63,7 @@ class Attribution:
 def attribute(
     setting: Setting, engine: Engine, parameters: EngineParameters, own: SourceRuns, cam: SourceRuns
 ) -> Attribution | None:
-    """Split the error of an engine's free run `own`; `None` when it, or a run at another step, failed."""
+    """Attribution of the error of an engine's free run `own`; `None` if it, or a run at another step, failed."""
     at = {1.0: own}
     for factor in (2.0, 0.5):
         other = parameters.model_copy(update={"time_step": factor * parameters.time_step})
@@ -86,8 +87,8 @@ def attribute(
 
 
 def _order(coarse: FloatArray, fine: FloatArray) -> float:
-    """p of differences that shrink by 2^p when the step is halved, within what these integrators can have."""
-    before, after = np.sqrt(np.mean(coarse**2)), np.sqrt(np.mean(fine**2))
+    """Observed order p: differences shrink by 2^p when the step is halved; clipped to the possible range."""
+    before, after = rms(coarse), rms(fine)
     if after == 0.0:
-        return _HIGHEST
-    return float(np.clip(np.log2(before / after), _LOWEST, _HIGHEST))
+        return _MAX_ORDER
+    return float(np.clip(np.log2(before / after), _MIN_ORDER, _MAX_ORDER))

@@ -1,4 +1,4 @@
-"""Horizons: the whole recording, and windows of a few seconds in each of which every source starts anew."""
+"""Horizons: the whole recording as one free run, or windows of a few seconds with a restart at each."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from harness.metrics import horizon_name
 
 @dataclass(frozen=True)
 class Horizon:
-    """Where runs begin and end.
+    """The runs of one horizon: where each begins and ends.
 
     Attributes:
-        seconds: length of the windows, `None` for the whole recording [s].
-        first, last: stamps at which each run begins and ends, shape (runs,).
+        seconds: window length, `None` for the whole recording [s].
+        first, last: indices of the first and last stamp of each run, shape (runs,).
     """
 
     seconds: float | None
@@ -32,34 +32,34 @@ class Horizon:
         return horizon_name(self.seconds)
 
     def slices(self) -> list[slice]:
-        """The stamps of each run."""
+        """Stamps of each run, as slices."""
         return [slice(int(f), int(e) + 1) for f, e in zip(self.first, self.last, strict=True)]
 
 
 def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float]) -> list[Horizon]:
-    """The whole recording from its first known position, and adjoining windows of each length [s], shortest first.
+    """The whole recording from its first known position, then adjoining windows of each length [s], shortest first.
 
-    A window that is cut short by the end, or of which less than half of the positions are known, is left out; so is
-    a length of which no window remains.
+    Windows that are cut short by the end, or with less than half of their positions known, are omitted, as are lengths
+    without any window.
 
     Args:
         time: stamps, shape (n,) [s].
-        known: where the position is known, shape (n,).
+        known: whether the position is known, shape (n,).
     """
     begin = int(np.argmax(known))
     found = [Horizon(None, np.array([begin]), np.array([len(time) - 1]))]
     for length in sorted(set(lengths)):
-        # Half a stamp of slack: a recording of 16 s holds eight windows of 2 s although its last stamp is 15.99 s.
+        # Tolerance of half a step: a recording of 16 s has eight windows of 2 s although its last stamp is 15.99 s.
         slack = 0.5 * float(np.median(np.diff(time)))
         count = int((time[-1] - time[begin] + 2 * slack) / length + 1e-9)
         edges = time[begin] + length * np.arange(count + 1)
         marks = np.searchsorted(time, edges - slack).clip(max=len(time) - 1)
-        pairs = [(f, e) for f, e in itertools.pairwise(marks) if _measured(known[f : e + 1])]
+        pairs = [(f, e) for f, e in itertools.pairwise(marks) if _sufficient(known[f : e + 1])]
         if pairs:
             first, last = np.array(pairs).T
             found.append(Horizon(length, first, last))
     return found
 
 
-def _measured(known: NDArray[np.bool_]) -> bool:
+def _sufficient(known: NDArray[np.bool_]) -> bool:
     return len(known) > 2 and float(np.mean(known)) >= 0.5

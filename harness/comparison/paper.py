@@ -1,4 +1,4 @@
-"""The paper's Table 2 and its three claims, held against this recording."""
+"""The paper's Table 2, and tests of its three claims on one recording."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from harness.comparison.ablation import Combination
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.comparison.sources import run_models
+from harness.numerics import rms
 
 TABLE_2: Mapping[str, Mapping[str, float]] = {
     "max_error_m": {"cum": 0.032, "cam": 0.147, "friction": 0.009},
@@ -22,15 +23,15 @@ TABLE_2: Mapping[str, Mapping[str, float]] = {
     "max_velocity_error_m_s": {"cum": 0.049, "cam": 0.061, "friction": 0.026},
     "e_vel_m": {"cum": 0.1325, "cam": 0.19, "friction": 0.0625},
 }
-"""The paper's figures on its own recording, which is not public."""
+"""The paper's values for its own recording, which is not public."""
 
 LEVEL_OF_PAPER = math.radians(-0.16)  # α₀ of Table 1
-_PAYS = 0.05  # a term pays if it takes at least this share off the RMS error beyond the sensor's noise
-_SURE = 2.0  # standard deviations
+_MIN_IMPROVEMENT = 0.05  # a term pays if it reduces the RMS error beyond the sensor noise by at least this share
+_COVERAGE_FACTOR = 2.0  # standard deviations of a difference that count as significant
 
 
 class Verdict(StrEnum):
-    """What this recording says of a claim."""
+    """Outcome of the test of a claim."""
 
     CONFIRMED = "confirmed"
     REFUTED = "refuted"
@@ -39,7 +40,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper, the verdict of this recording, and why in numbers."""
+    """A claim of the paper, the verdict on this recording, and the numbers behind it."""
 
     letter: str
     text: str
@@ -49,7 +50,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far one choice moves the ball: RMS and largest displacement between two runs [m]."""
+    """Effect of one modelling choice: RMS and largest displacement between two runs [m]."""
 
     choice: str
     rms: float
@@ -61,11 +62,11 @@ Combinations = Mapping[tuple[str, bool, bool, Reading], Combination]
 
 @dataclass(frozen=True)
 class Inputs:
-    """What start, angle and reading leave open on the runs that are judged.
+    """Uncertainty of start, angle and readings on the runs used for the claims.
 
     Attributes:
-        u_val: of the runs, shape (runs, n), NaN outside [m].
-        displacement: of the ball by drawn inputs, shape (draws, runs, n) [m].
+        u_val: of the runs, shape (runs, n), NaN outside a run [m].
+        displacement: of the ball by each draw of the inputs, shape (draws, runs, n) [m].
     """
 
     u_val: FloatArray
@@ -73,7 +74,7 @@ class Inputs:
 
 
 def claims(setting: Setting, horizon: Horizon, combinations: Combinations, inputs: Inputs) -> list[Claim]:
-    """The paper's claims (a) to (c) on the runs of `horizon`."""
+    """Tests of the paper's claims (a) to (c) on the runs of `horizon`."""
     judge = Judge(setting, horizon, inputs)
     return [
         _level(setting, horizon, combinations, _rms(inputs.u_val)),
@@ -83,11 +84,11 @@ def claims(setting: Setting, horizon: Horizon, combinations: Combinations, input
 
 
 class Judge:
-    """Whether one model fits better than another, or inputs alone could make it look so.
+    """Difference of two models' mean square errors with its standard deviation due to uncertain inputs.
 
-    An error of angle or start displaces both models by nearly the same d(t). Of the difference of their mean square
-    errors, ⟨(A − D)²⟩ − ⟨(B − D)²⟩, it shifts only 2 ⟨(A − B) d⟩, and the reading's noise likewise. What both models'
-    fitted parameters absorb of d, A − B does not contain.
+    An error of angle or start displaces both models A, B by nearly the same d(t). It changes the difference of their
+    mean square errors, ⟨(A − D)²⟩ − ⟨(B − D)²⟩ for data D, by 2 ⟨(A − B) d⟩ only; sensor noise likewise. The part of d
+    that fitted parameters absorb is not contained in A − B.
     """
 
     def __init__(self, setting: Setting, horizon: Horizon, inputs: Inputs) -> None:
@@ -95,20 +96,24 @@ class Judge:
         for i, where in enumerate(horizon.slices()):
             inside[i, where] = setting.ball.trusted[where]
         self._use, self.noise = inside, setting.reading_noise
-        self._moved = inputs.displacement[:, inside]
+        self._displacement = inputs.displacement[:, inside]
 
     def gain(self, base: Combination, other: Combination) -> tuple[float, float]:
-        """By how much the mean square error of `other` is below that of `base`, and its standard deviation [m²]."""
+        """Mean square error of `base` minus that of `other`, and its standard deviation [m²].
+
+        Raises:
+            ValueError: one of the models diverged.
+        """
         apart = (base.position - other.position)[self._use]
         if not np.all(np.isfinite(apart)):
-            raise ValueError("a model that ran away cannot be compared")
-        by_inputs = np.std(2.0 * np.mean(self._moved * apart, axis=1))
-        by_noise = 2.0 * self.noise * np.sqrt(np.mean(apart**2) / apart.size)
+            raise ValueError("a diverged model cannot be compared")
+        by_inputs = np.std(2.0 * np.mean(self._displacement * apart, axis=1))
+        by_noise = 2.0 * self.noise * rms(apart) / np.sqrt(apart.size)
         return base.rms_error**2 - other.rms_error**2, float(np.hypot(by_inputs, by_noise))
 
 
 def differences(combinations: Combinations) -> list[Difference]:
-    """What makes CAM differ from CUM: the radius, the α̈ term, both; and what α₀ does. Nothing fitted but α₀."""
+    """Displacements between CUM and CAM due to the radius, the α̈ term, both, and α₀; only α₀ is fitted."""
     none = Reading.NONE
     cum = combinations["R", False, False, none].position
     cam = combinations["r", True, False, none].position
@@ -121,8 +126,8 @@ def differences(combinations: Combinations) -> list[Difference]:
     ]
 
 
-def _level(setting: Setting, horizon: Horizon, combinations: Combinations, doubt: float) -> Claim:
-    """(a): does a levelling error of the size the paper met move the models beyond the paper's own errors?"""
+def _level(setting: Setting, horizon: Horizon, combinations: Combinations, u_val: float) -> Claim:
+    """Claim (a): does the paper's levelling error displace the models by more than the paper's own model error?"""
     text = "CUM and CAM are very sensitive to the levelling error"
     rig = setting.rig
     off = rig.with_(level_angle=rig.level_angle + LEVEL_OF_PAPER)
@@ -137,45 +142,46 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, doubt
         (combinations[r, e, False, Reading.NONE].rms_error, combinations[r, e, True, Reading.NONE].rms_error)
         for r, e in (("R", False), ("r", True))
     ]
-    # "Very" is read as: the paper's own levelling error moves the ball further than the paper's friction model errs.
+    # "Very sensitive": the paper's levelling error displaces the ball by more than the error of its friction model.
     limit = TABLE_2["max_error_m"]["friction"]
     because = (
-        f"a levelling error of −0.16° (the paper's) moves CUM by {1e3 * moved[0]:.1f} mm and CAM by "
-        f"{1e3 * moved[1]:.1f} mm RMS; α₀ fitted instead of 0 ({_degrees(fitted[0])} and {_degrees(fitted[1])}) takes "
-        f"their RMS errors from {1e3 * gain[0][0]:.1f} to {1e3 * gain[0][1]:.1f} mm and from {1e3 * gain[1][0]:.1f} "
-        f"to {1e3 * gain[1][1]:.1f} mm; angle, start and sensor leave {1e3 * doubt:.1f} mm open"
+        f"a levelling error of −0.16° (the paper's) displaces CUM by {1e3 * moved[0]:.1f} mm and CAM by "
+        f"{1e3 * moved[1]:.1f} mm RMS; α₀ fitted instead of 0 ({_degrees(fitted[0])} and {_degrees(fitted[1])}) "
+        f"changes their RMS errors from {1e3 * gain[0][0]:.1f} to {1e3 * gain[0][1]:.1f} mm and from "
+        f"{1e3 * gain[1][0]:.1f} to {1e3 * gain[1][1]:.1f} mm; angle, start and sensor leave an "
+        f"uncertainty of {1e3 * u_val:.1f} mm"
     )
-    if min(moved) > max(limit, 2.0 * doubt):
+    if min(moved) > max(limit, 2.0 * u_val):
         return Claim("a", text, Verdict.CONFIRMED, because)
-    if max(moved) < limit and doubt < limit:
+    if max(moved) < limit and u_val < limit:
         return Claim("a", text, Verdict.REFUTED, because)
     return Claim("a", text, Verdict.UNDECIDABLE, because)
 
 
 def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
-    """(b): with everything else at its best, does the α̈ term lower the error by a share worth having?"""
+    """Claim (b): with all other terms at their best, does the α̈ term reduce the error by `_MIN_IMPROVEMENT`?"""
     text = "modelling the eccentric pivot does not pay"
     without, with_ = _best(combinations, eccentric=False), _best(combinations, eccentric=True)
     moved = _rms(
         combinations["r", True, False, Reading.NONE].position - combinations["r", False, False, Reading.NONE].position
     )
-    gain, doubt = judge.gain(without, with_)
-    worth = (1.0 - (1.0 - _PAYS) ** 2) * max(without.rms_error**2 - judge.noise**2, 0.0)
+    gain, std = judge.gain(without, with_)
+    required = (1.0 - (1.0 - _MIN_IMPROVEMENT) ** 2) * max(without.rms_error**2 - judge.noise**2, 0.0)
     because = (
-        f"the α̈ term alone moves the ball by {1e3 * moved:.2f} mm RMS; the best model without it errs by "
+        f"the α̈ term alone displaces the ball by {1e3 * moved:.2f} mm RMS; the best model without it has an error of "
         f"{1e3 * without.rms_error:.2f} mm ({_describe(without)}), with it by {1e3 * with_.rms_error:.2f} mm "
-        f"({_describe(with_)}); to pay it has to take {100 * _PAYS:.0f} % off what exceeds the sensor's "
-        f"noise of {1e3 * judge.noise:.2g} mm. {_weighed(gain, doubt)}"
+        f"({_describe(with_)}); to pay it has to reduce the error beyond the sensor noise of "
+        f"{1e3 * judge.noise:.2g} mm by {100 * _MIN_IMPROVEMENT:.0f} %. {_significance(gain, std)}"
     )
-    if gain - _SURE * doubt > worth:
+    if gain - _COVERAGE_FACTOR * std > required:
         return Claim("b", text, Verdict.REFUTED, because)
-    if gain + _SURE * doubt < worth:
+    if gain + _COVERAGE_FACTOR * std < required:
         return Claim("b", text, Verdict.CONFIRMED, because)
     return Claim("b", text, Verdict.UNDECIDABLE, because)
 
 
 def _friction(combinations: Combinations, judge: Judge) -> Claim:
-    """(c): of all single additions to CUM, does friction take most off the error, with α₀ fitted and without?"""
+    """Claim (c): of all single additions to CUM, does friction reduce the error most, with and without fitted α₀?"""
     text = "a friction term matters most, even without the levelling error"
     verdicts, parts = [], []
     for level in (False, True):
@@ -188,13 +194,13 @@ def _friction(combinations: Combinations, judge: Judge) -> Claim:
         if not level:
             rivals["α₀"] = combinations["R", False, True, Reading.NONE]
         name = min(rivals, key=lambda name: rivals[name].rms_error)
-        lead, doubt = judge.gain(rivals[name], friction)
+        lead, std = judge.gain(rivals[name], friction)
         parts.append(
-            f"with α₀ {'fitted' if level else '= 0'} friction takes CUM from {1e3 * base.rms_error:.1f} to "
+            f"with α₀ {'fitted' if level else '= 0'} friction reduces CUM's error from {1e3 * base.rms_error:.1f} to "
             f"{1e3 * friction.rms_error:.1f} mm RMS, {name} to {1e3 * rivals[name].rms_error:.1f} mm. "
-            f"{_weighed(lead, doubt)}"
+            f"{_significance(lead, std)}"
         )
-        if abs(lead) <= _SURE * doubt:
+        if abs(lead) <= _COVERAGE_FACTOR * std:
             verdicts.append(Verdict.UNDECIDABLE)
         else:
             verdicts.append(Verdict.CONFIRMED if lead > 0.0 else Verdict.REFUTED)
@@ -205,13 +211,13 @@ def _friction(combinations: Combinations, judge: Judge) -> Claim:
     raise AssertionError("unreachable")
 
 
-def _weighed(gain: float, doubt: float) -> str:
-    """The difference of two mean square errors beside what inputs leave open of it."""
-    return f"The mean squares differ by {_squared(gain, 3)}, of which inputs leave ± {_squared(_SURE * doubt, 2)} open"
+def _significance(gain: float, std: float) -> str:
+    """The difference of two mean square errors with its expanded uncertainty."""
+    return f"The mean squares differ by {_squared(gain, 3)} ± {_squared(_COVERAGE_FACTOR * std, 2)}"
 
 
 def _squared(value: float, significant: int) -> str:
-    """`value` [m²] in mm², with so many digits but never a power of ten."""
+    """`value` [m²] in mm² with `significant` digits, never as a power of ten."""
     rounded = float(f"{1e6 * value:.{significant}g}")
     text = f"{rounded:.0f}" if abs(rounded) >= 100.0 else f"{rounded:.{significant}g}"
     return f"{text} mm²".replace("-", "−")
@@ -236,4 +242,5 @@ def _difference(choice: str, one: FloatArray, other: FloatArray) -> Difference:
 
 
 def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
+    """RMS over the runs: NaN stands outside them."""
+    return rms(values[~np.isnan(values)])

@@ -1,4 +1,4 @@
-"""Everything that has to be settled before models run: beam motion, rig, start state, horizons."""
+"""Prepares a comparison: drive, complete rig, start state and horizons, common to all models and engines."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from harness.recording import Case, Recording, inferred_resolution
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
 
-_FEWEST = 3  # positions from which a state can be estimated
+_MIN_POSITIONS = 3  # for estimating a state
 
 
 @dataclass(frozen=True)
 class Choices:
-    """What a user may decide about a run.
+    """Options of a comparison.
 
     Attributes:
-        recording: file name within the case; `None` for the first to identify from.
+        recording: file name within the case; `None` for the first recording for identification.
         start: ball state at the first known position; `None` to estimate it.
-        level_angle: α₀ [rad]; "estimate"; `None` for the rig's own, or 0 where that is silent and the rig known.
-        lengths: of the windows [s].
+        level_angle: α₀ [rad]; "estimate"; `None` for that of rig.toml, or 0 if it has none and the rig is known.
+        lengths: window lengths [s].
         tolerance: half width of the tube [m].
-        draws: beam motions and starts drawn to propagate their uncertainty.
-        seed: of these draws.
+        draws: Monte Carlo draws of beam motion and start for uncertainty propagation.
+        seed: of the draws.
     """
 
     recording: str | None = None
@@ -49,18 +49,18 @@ class Choices:
 
 @dataclass(frozen=True)
 class Setting:
-    """What all sources share.
+    """Inputs common to all models and engines.
 
     Attributes:
         case, recording: the input.
-        choices: as given.
-        rig: complete; quantities that were estimated or assumed are listed in `estimates`.
-        fitted: K, ℓ, α₀ and their covariance when any was estimated, else `None`.
-        estimates: what the rig file did not say, with standard errors.
-        acting: the declared effects; every model and engine has them.
+        choices: options.
+        rig: complete; estimated and assumed quantities are listed in `estimates`.
+        fitted: K, ℓ, α₀ and their covariance if any of them was estimated, else `None`.
+        estimates: quantities missing in rig.toml, with standard errors.
+        acting: the declared effects, included in every model and engine.
         drive: the measured beam motion.
         ball: the ball's measured state.
-        start: ball state at the first stamp of the whole run.
+        start: ball state at the start of the free run.
         horizons: the whole recording first, then windows.
     """
 
@@ -78,14 +78,14 @@ class Setting:
 
     @property
     def used(self) -> tuple[Recording, ...]:
-        """Every recording that has a say in the result: the compared one, and any that something was estimated from."""
+        """All recordings used: the compared one, and those from which the rig was estimated."""
         others = self.case.identify if self.fitted is not None else ()
         names = dict.fromkeys((self.recording.name, *others))
         return tuple(self.case.recordings[name] for name in names if name in self.case.recordings)
 
     @property
     def reading_noise(self) -> float:
-        """Standard deviation of a position reading, rounding included [m]."""
+        """Standard deviation of a position reading, quantisation included [m]."""
         return _reading_noise(self.case, self.recording, self.ball)
 
     @property
@@ -95,22 +95,22 @@ class Setting:
 
     @property
     def motion(self) -> BeamMotion:
-        """The beam's motion, which is the measured one unless a declared effect stands between them."""
+        """Motion of the beam: the measured one, modified by declared effects of the drive."""
         return motion_with(self.drive, self.time, self.acting)
 
     @property
     def origin(self) -> float:
-        """Position from which the rolled angle counts: the first of the longest run [m]."""
+        """Position at which the rolled angle is zero: the start of the free run [m]."""
         return float(self.ball.position[self.horizons[0].first[0]])
 
     def vector(self, model: Model, rig: Rig | None = None) -> FloatArray:
-        """The kernel vector of `model` with the declared effects, on the setting's rig or another; shape (SLOTS,)."""
+        """Kernel parameters of `model` with the declared effects, for `rig` or the setting's rig; shape (SLOTS,)."""
         vector = parameters_with(model, rig or self.rig, self.acting)
         vector[ORIGIN] = self.origin
         return vector
 
     def starts(self, horizon: Horizon) -> FloatArray:
-        """s [m] and ṡ [m/s] at which the runs of `horizon` begin, shape (runs, 2)."""
+        """Initial s [m] and ṡ [m/s] of the runs of `horizon`, shape (runs, 2)."""
         starts = np.column_stack((self.ball.position[horizon.first], self.ball.velocity[horizon.first]))
         if self.choices.start is not None and horizon.seconds is None:
             starts[0] = self.choices.start.position, self.choices.start.velocity
@@ -118,16 +118,20 @@ class Setting:
 
 
 def drive_of(case: Case, recording: Recording) -> Drive:
-    """The beam motion of one recording, read as its sensor allows."""
+    """Smoothed beam motion of one recording, with the declared or inferred resolution of its angle sensor."""
     resolution = case.sensors.angle_resolution or inferred_resolution(recording.angle)
     return make_drive(recording.time, recording.angle, resolution=resolution, noise=case.sensors.angle_noise)
 
 
 def ball_of(case: Case, recording: Recording, drive: Drive, rig: Rig) -> BallEstimate:
-    """The ball's measured state in one recording."""
-    if int(recording.known.sum()) < _FEWEST:
+    """Smoothed ball state of one recording.
+
+    Raises:
+        InputError: fewer than three positions are known.
+    """
+    if int(recording.known.sum()) < _MIN_POSITIONS:
         raise InputError(
-            f"{recording.path}: fewer than three ball positions are known, so there is nothing to start a model from; "
+            f"{recording.path}: fewer than three ball positions are known, too few to estimate the start state; "
             "check that its column is there and named ball_position_m, or choose another recording with --recording"
         )
     return estimate_ball(
@@ -154,7 +158,7 @@ def _observe(case: Case, recording: Recording, drive: Drive, ball: BallEstimate)
 
 
 def prepare(case: Case, choices: Choices) -> Setting:
-    """Settle what a run needs.
+    """Prepares the comparison of one recording.
 
     Raises:
         InputError: the recording is not in the case or has no positions, the rig cannot be completed, or a declared
@@ -165,26 +169,26 @@ def prepare(case: Case, choices: Choices) -> Setting:
     drive = drive_of(case, recording)
     rough = rough_rig(case.rig)
     ball = ball_of(case, recording, drive, rough)
-    wish = choices.level_angle
-    if isinstance(wish, float):
+    requested = choices.level_angle
+    if isinstance(requested, float):
         try:
-            rough = rough.with_(level_angle=wish)
+            rough = rough.with_(level_angle=requested)
         except RigError as error:
             raise InputError(f"--level-angle: {error}") from error
-    level = wish == "estimate" or (wish is None and case.rig.level_angle is None and bool(missing(case.rig)))
+    level = requested == "estimate" or (requested is None and case.rig.level_angle is None and bool(missing(case.rig)))
 
     def observed() -> list[Observed]:
         others = [case.recordings[name] for name in case.identify if name != recording.name]
         found = [_observe(case, recording, drive, ball)]
         for other in others:
-            if int(other.known.sum()) >= _FEWEST:
+            if int(other.known.sum()) >= _MIN_POSITIONS:
                 motion = drive_of(case, other)
                 found.append(_observe(case, other, motion, ball_of(case, other, motion, rough)))
         return found
 
     rig, fitted, estimates = complete(case.rig, rough, observed, level=level)
     if fitted is not None:
-        ball = ball_of(case, recording, drive, rig)  # anew, relative to the better model
+        ball = ball_of(case, recording, drive, rig)  # again, relative to the estimated rig
     spans = tuple(horizons(recording.time, recording.known & ball.trusted, choices.lengths))
     start = choices.start or ball.state(int(spans[0].first[0]))
     return Setting(case, recording, choices, rig, fitted, tuple(estimates), effects, drive, ball, start, spans)

@@ -1,4 +1,4 @@
-"""One drive through every model and engine, on every horizon."""
+"""Runs every model and engine with one drive, on every horizon."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 
 Progress = Callable[[str], None]
-"""Told what is being done, one short line at a time."""
+"""Callback that receives short progress messages."""
 
 
 @dataclass(frozen=True)
 class SourceRuns:
-    """One source on one horizon.
+    """The runs of one source (model or engine) on one horizon.
 
     Attributes:
         source: `cam`, `mujoco` …
-        horizon: where its runs begin and end.
-        position, velocity: shape (runs, n), NaN outside a run and where an engine failed [m], [m/s].
-        health: of every engine run that succeeded.
-        failures: of every engine run that did not.
+        horizon: begin and end of the runs.
+        position, velocity: shape (runs, n), NaN outside a run and if the engine failed [m], [m/s].
+        health: of the successful engine runs.
+        failures: of the failed engine runs.
     """
 
     source: str
@@ -46,7 +46,7 @@ class SourceRuns:
 def run_models(
     setting: Setting, models: Sequence[Model], horizon: Horizon, *, rig: Rig | None = None
 ) -> list[SourceRuns]:
-    """All `models` on one horizon, in one call of the kernel; `rig` other than the setting's on request."""
+    """Runs `models` on one horizon in one call of the kernel, with `rig` or by default the setting's rig."""
     grid = Grid.over(setting.time)
     table = grid.tabulate(setting.motion)
     count = len(horizon.first)
@@ -63,12 +63,12 @@ def run_models(
     shape = (len(models), count, len(setting.time))
     position, velocity = runs.position.reshape(shape), runs.velocity.reshape(shape)
     for one in position:
-        _record(setting, horizon, one)
+        _apply_sensor(setting, horizon, one)
     return [SourceRuns(m.name, horizon, position[i], velocity[i]) for i, m in enumerate(models)]
 
 
-def _record(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
-    """Turn a source's positions, shape (runs, n), into what the sensor records of them, in place."""
+def _apply_sensor(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
+    """Applies declared sensor effects to the positions of a source, shape (runs, n), in place."""
     sensor = sensor_with(setting.acting)
     for run, where in zip(position, horizon.slices(), strict=True):
         if np.isfinite(run[where]).any():
@@ -76,7 +76,7 @@ def _record(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
 
 
 def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, horizon: Horizon) -> SourceRuns:
-    """One engine on one horizon; runs that fail are kept as failures, with NaN for a trajectory."""
+    """Runs one engine on one horizon; a failed run is recorded in `failures` and its trajectory is NaN."""
     shape = (len(horizon.first), len(setting.time))
     position, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
     health: list[Health] = []
@@ -93,7 +93,7 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
             continue
         position[i, where], velocity[i, where] = run.trajectory.position, run.trajectory.velocity
         health.append(run.health)
-    _record(setting, horizon, position)
+    _apply_sensor(setting, horizon, position)
     return SourceRuns(engine.name, horizon, position, velocity, tuple(health), tuple(failures))
 
 
@@ -103,7 +103,7 @@ def run_all(
     engines: Iterable[tuple[Engine, EngineParameters]],
     progress: Progress = lambda _: None,
 ) -> list[SourceRuns]:
-    """Every source on every horizon, models first."""
+    """Runs every source on every horizon, models first."""
     engines = list(engines)
     runs: list[SourceRuns] = []
     for horizon in setting.horizons:

@@ -1,4 +1,4 @@
-"""The whole comparison of one recording: what the report, the tables and the checks are made from."""
+"""The complete comparison of one recording, the input of report, tables and tolerance checks."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from harness.comparison.sources import Progress, SourceRuns, run_all
 from harness.comparison.uncertainty import displacements, uncertainty
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
-from harness.metrics import Comparison, Score, score
+from harness.metrics import RunComparison, Score, score
+from harness.numerics import rms
 
 
 @dataclass(frozen=True)
 class Study:
-    """What one recording says of every source.
+    """Runs, scores and explanations of all sources on one recording.
 
     Attributes:
         setting: input, rig, drive, start, horizons.
-        engines: the engines and the parameters they ran with.
-        runs: every source on every horizon, models first; order of horizons as in `setting`.
+        engines: engines with their parameters.
+        runs: every source on every horizon, models first; horizons in the order of `setting`.
         scores: one per entry of `runs`.
-        u_val: of every horizon of `setting`, shape (runs, n) [m].
-        headline: the longest horizon on which a run still means something; see `headline_of`.
+        u_val: per horizon of `setting`, shape (runs, n) [m].
+        headline: the longest informative horizon; see `headline_of`.
         attributions: one per engine whose free run succeeded.
-        combinations, differences, claims: the paper's page, on the headline's runs.
+        combinations, differences, claims: ablation and the paper's claims, on the headline horizon.
     """
 
     setting: Setting
@@ -76,16 +77,16 @@ def study(
     engines: Sequence[tuple[Engine, EngineParameters]],
     progress: Progress = lambda _: None,
 ) -> Study:
-    """Run, score and explain everything. Engine failures are kept in the result, not raised."""
+    """Runs and scores all sources; engine failures are part of the result and not raised."""
     runs = run_all(setting, list(MODELS.values()), engines, progress)
     progress("uncertainty of start and angle")
-    moved = displacements(setting)
-    u_val = [uncertainty(setting, one) for one in moved]
+    displaced = displacements(setting)
+    u_val = [uncertainty(setting, one) for one in displaced]
     headline = headline_of(setting, u_val)
-    spread = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
-    inputs = Inputs(spread[headline.name], moved[setting.horizons.index(headline)])
+    u_val_by_horizon = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
+    inputs = Inputs(u_val_by_horizon[headline.name], displaced[setting.horizons.index(headline)])
     progress("scores")
-    scores = [_score(setting, run, spread[run.horizon.name]) for run in runs]
+    scores = [_score(setting, run, u_val_by_horizon[run.horizon.name]) for run in runs]
     whole = setting.horizons[0]
     by_name = {run.source: run for run in runs if run.horizon is whole}
     attributions = []
@@ -111,10 +112,10 @@ def study(
 
 
 def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
-    """The longest horizon at whose ends a perfect model would still be told from a ball that does not move.
+    """The longest horizon at whose end u_val (RMS) is below the standard deviation of the ball's position.
 
-    Where angle and start alone leave the position at the end of a run more uncertain than the ball's own motion in it,
-    the run says nothing about a model; if no horizon passes, the shortest stands.
+    On longer horizons the uncertainty of angle and start exceeds the ball's own motion, so that a run carries no
+    information about a model. If no horizon passes, the shortest is returned.
     """
     position = setting.ball.position
     for horizon, u in zip(
@@ -122,7 +123,7 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
     ):
         ends = np.array([u[i, last] for i, last in enumerate(horizon.last)])
         motion = np.array([np.std(position[where]) for where in horizon.slices()])
-        if np.sqrt(np.mean(ends**2)) < np.sqrt(np.mean(motion**2)):
+        if rms(ends) < rms(motion):
             return horizon
     return setting.horizons[-1] if len(setting.horizons) == 1 else setting.horizons[1]
 
@@ -130,7 +131,7 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
 def _score(setting: Setting, run: SourceRuns, u_val: FloatArray) -> Score:
     ball, measured = setting.ball, setting.recording.position
     windows = [
-        Comparison(
+        RunComparison(
             time=setting.time[where],
             measured=measured[where],
             model=run.position[i, where],

@@ -1,8 +1,8 @@
-"""What a perfect model would still be off by: sensor noise, and the start's and the angle's uncertainty propagated.
+"""Validation uncertainty u_val by Monte Carlo: the error to be expected of a perfect model.
 
-Beam motions and start states are drawn from what the record leaves open and run through CAM, many at once; their
-spread around the run from the best estimates is what inputs make uncertain (ASME V&V 20: u_input), and the reading's
-noise comes on top (u_D).
+Beam motions, start states and, if the rig was estimated, rigs are drawn from their posterior distributions and run
+through CAM. The RMS deviation from the run with the best estimates is the input uncertainty (ASME V&V 20: u_input);
+sensor noise is added (u_D).
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
 from analytic.motion import BeamMotion, FloatArray
 from harness.comparison.setting import Setting
 from harness.metrics import validation_uncertainty
+from harness.numerics import rms
 
 
 def displacements(setting: Setting) -> list[FloatArray]:
-    """How far drawn inputs move the ball: one array a horizon, shape (draws, runs, n), NaN outside a run [m]."""
+    """Displacement of the ball by each draw, one array of shape (draws, runs, n) per horizon, NaN outside a run [m]."""
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
@@ -29,12 +30,11 @@ def displacements(setting: Setting) -> list[FloatArray]:
     for horizon in setting.horizons:
         runs = len(horizon.first)
         starts = np.repeat(setting.starts(horizon)[None], draws + 1, axis=0)
-        if horizon.seconds is not None or choices.start is None:  # a start that was given is taken for exact
+        if horizon.seconds is not None or choices.start is None:  # a start given by the user is exact
             for i, first in enumerate(horizon.first):
-                root = _root(ball.state_covariance(int(first)))
-                starts[1:, i] += generator.standard_normal((draws, 2)) @ root.T
-            # The state was smoothed relative to CAM, whose velocity holds −K ℓ α̇: a beam that turned faster than it was
-            # read leaves the ball that much slower, and the run cancels it again.
+                starts[1:, i] += _normal(generator, ball.state_covariance(int(first)), draws)
+            # The state was smoothed relative to CAM, whose velocity contains −K ℓ α̇: with a beam rate above the
+            # estimate the ball starts correspondingly slower.
             rate = tables[:, 2 * grid.marks[horizon.first], 1]
             starts[1:, :, 1] -= parameters[1:, ECCENTRIC, None] * (rate[1:] - rate[0])
         drawn = integrate(
@@ -51,16 +51,15 @@ def displacements(setting: Setting) -> list[FloatArray]:
 
 
 def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
-    """u_val of the runs that `displacement`, shape (draws, runs, n), belongs to: shape (runs, n) [m]."""
-    return validation_uncertainty(setting.reading_noise, np.sqrt(np.mean(displacement**2, axis=0)))
+    """u_val of the runs with `displacement`, shape (draws, runs, n): shape (runs, n) [m]."""
+    return validation_uncertainty(setting.reading_noise, rms(displacement, axis=0))
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:
-    """Kernel parameters of the best rig and of rigs drawn from what the estimation leaves open."""
+    """CAM's kernel parameters for the estimated rig (first row) and for rigs drawn from its covariance."""
     vectors = np.tile(setting.vector(CAM), (draws + 1, 1))
     if setting.fitted is not None:
-        kicks = generator.standard_normal((draws, 3)) @ _root(setting.fitted.covariance).T
-        ratio, level, lever = kicks.T
+        ratio, level, lever = _normal(generator, setting.fitted.covariance, draws).T
         scale = 1.0 + ratio / setting.fitted.ratio
         vectors[1:, GRAVITY] *= scale
         vectors[1:, CENTRIFUGAL] *= scale
@@ -69,8 +68,6 @@ def _parameters(setting: Setting, draws: int, generator: np.random.Generator) ->
     return vectors
 
 
-def _root(covariance: FloatArray) -> FloatArray:
-    """A matrix whose product with its transpose is `covariance`, which may be singular."""
-    values, vectors = np.linalg.eigh(covariance)
-    root: FloatArray = vectors * np.sqrt(values.clip(min=0.0))
-    return root
+def _normal(generator: np.random.Generator, covariance: FloatArray, draws: int) -> FloatArray:
+    """Normal draws of mean zero, shape (draws, k); `covariance`, shape (k, k), may be singular."""
+    return generator.multivariate_normal(np.zeros(len(covariance)), covariance, draws, method="eigh")

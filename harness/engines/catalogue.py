@@ -1,4 +1,4 @@
-"""The engines by name, and their settings as a user gives them: `mujoco.friction=0.3` or a TOML table."""
+"""Engines by name, and their user settings: `mujoco.friction=0.3` or a TOML table."""
 
 from __future__ import annotations
 
@@ -25,29 +25,29 @@ DEFAULT_ENGINES = ("mujoco", "pybullet")
 
 
 def engine_of(name: str) -> Engine:
-    """The engine of this name.
+    """The engine with this name.
 
     Raises:
-        InputError: there is none, or its package is not installed.
+        InputError: the name is unknown, or the engine's package is not installed.
     """
     if name not in _CLASSES:
-        raise InputError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+        raise InputError(f"there is no engine {name!r}; engines are {', '.join(ENGINES)}")
     module, attribute = _CLASSES[name]
     try:
         engine: Engine = getattr(importlib.import_module(module), attribute)()
-    except ImportError as error:  # absent, or present without a system library it needs
+    except ImportError as error:  # not installed, or a system library is missing
         others = ", ".join(other for other in ENGINES if other != name)
         raise InputError(
-            f"engine {name} cannot be loaded ({error}); install what it needs, or choose from {others} with --engine"
+            f"engine {name} cannot be loaded ({error}); install its requirements, or choose from {others} with --engine"
         ) from error
     return engine
 
 
 def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Settings per engine from a TOML file (one table an engine) and from `engine.name=value` texts, which win.
+    """Settings per engine from a TOML file (one table per engine), overridden by `engine.name=value` texts.
 
     Raises:
-        InputError: unreadable file, unknown engine, or a text that is no assignment.
+        InputError: unreadable file, unknown engine, or a text that is not an assignment.
     """
     settings: dict[str, dict[str, Any]] = {}
     if file is not None:
@@ -55,11 +55,11 @@ def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, di
             tables = tomllib.loads(file.read_text(encoding="utf-8-sig"))
         except OSError as error:
             raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
-        except ValueError as error:  # of the TOML, or of bytes that are no UTF-8
+        except ValueError as error:  # invalid TOML or invalid UTF-8
             raise InputError(f"{file}: not valid TOML: {error}") from error
         for engine, table in tables.items():
             if not isinstance(table, Mapping):
-                raise InputError(f"{file}: {engine} is no table; write [{DEFAULT_ENGINES[0]}] above its settings")
+                raise InputError(f"{file}: {engine} is not a table; write [{DEFAULT_ENGINES[0]}] above its settings")
             settings.setdefault(_known(engine), {}).update(table)
     for text in assignments:
         name, equals, value = text.partition("=")
@@ -74,13 +74,13 @@ def parameters_of(engine: Engine, settings: Mapping[str, Any]) -> EngineParamete
     """The engine's parameters with `settings` applied.
 
     Raises:
-        InputError: unknown name (the message lists those that exist), or a value out of bounds.
+        InputError: unknown name (the message lists the valid ones), or a value out of bounds.
     """
     fields = engine.parameters.model_fields
     for name in settings:
         if name not in fields:
             hint = did_you_mean(name, fields)
-            raise InputError(f"{engine.name} has no parameter {name!r}.{hint} There are: {', '.join(fields)}.")
+            raise InputError(f"{engine.name} has no parameter {name!r}.{hint} Parameters are: {', '.join(fields)}.")
     try:
         return engine.parameters(**settings)
     except ValidationError as error:
@@ -100,12 +100,12 @@ def describe(engine: Engine) -> list[tuple[str, str, str]]:
 
 def _known(engine: str) -> str:
     if engine not in _CLASSES:
-        raise InputError(f"there is no engine {engine!r} to set a parameter of; there are {', '.join(ENGINES)}")
+        raise InputError(f"there is no engine {engine!r} to set a parameter of; engines are {', '.join(ENGINES)}")
     return engine
 
 
 def _value(text: str) -> Any:
-    """A TOML value, or `none`, for which TOML has no word; anything else is taken as a text."""
+    """A TOML value, `None` for `none`, or otherwise the text itself."""
     if text == "none":
         return None
     try:

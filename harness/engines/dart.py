@@ -1,13 +1,14 @@
-"""DART as a third opinion (extra `dart`): the ball between two capsules of a hinge whose velocity is prescribed.
+"""DART (extra `dart`): the ball on two capsules attached to a hinge with prescribed velocity.
 
-A VELOCITY joint follows its command exactly, whatever the ball does. Three things have to be right besides:
+A VELOCITY joint follows its command exactly, independent of the load. The validated accuracy also requires:
 
-* DART holds a contact only while the shapes overlap: a ball that just touches misses steps and falls by g dt² in each.
-  The sphere is drawn a trifle too large, by SINK g dt², so that it overlaps where its centre is at the right height; a
-  downward surface velocity balances the error reduction, which takes away a hundredth of the overlap a step.
-* A joint lends the contact its tangential velocity, but in a step the beam moves along a chord. A sliding joint that
-  stays in place adds the difference: −½ s α̇² dt along the beam, −(α̇ ṡ + ½ (h + r) α̇²) dt across. See `pybullet.py`.
-* Bodies fall asleep by default.
+* DART keeps a contact only while the shapes overlap; without overlap the ball loses contact and falls by g dt² in a
+  step. The sphere is therefore larger by SINK g dt² and overlaps with its centre at the right height; a downward
+  surface velocity balances the error reduction, which removes a hundredth of the overlap per step.
+* The contact uses the tangential velocity of the hinge, but within a step the beam moves along a chord. A sliding joint
+  whose position is held adds the difference: −½ s α̇² dt along the beam, −(α̇ ṡ + ½ (h + r) α̇²) dt across it. See
+  `pybullet.py`.
+* Deactivation of resting bodies, on by default, is switched off.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, jud
 from harness.errors import InputError
 from urdf.scene import rail_axis
 
-ERROR_REDUCTION = 0.01  # share of an overlap removed in a step, fixed in DART
-SINK = 0.03  # of g dt²; what the chord velocities leave over is below a third of it, so the contact never opens
+ERROR_REDUCTION = 0.01  # share of an overlap removed per step, fixed in DART
+SINK = 0.03  # overlap in g dt²; the residual of the chord velocities is below a third of it, so contact is kept
 
 
 class DartParameters(EngineParameters):
@@ -42,7 +43,7 @@ class DartParameters(EngineParameters):
     slip_limit: float = Field(
         0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
     )
-    health_interval: float = Field(0.01, ge=0.0, le=0.1, description="time between two looks at the contacts [s]")
+    health_interval: float = Field(0.01, ge=0.0, le=0.1, description="time between two samples of the contacts [s]")
 
 
 class Dart:
@@ -70,11 +71,11 @@ class Dart:
         parameters: EngineParameters | None = None,
         force: BallForce | None = None,
     ) -> EngineRun:
-        """Drive the beam and follow the ball; arguments as in `Engine.run`.
+        """Simulates the ball on the driven beam; arguments as in `Engine.run`.
 
         Raises:
-            EngineFailure: the run cannot be trusted.
-            InputError: dartpy is not installed, or stamps, motion, settings or groove cannot be worked with.
+            EngineFailure: the run is invalid.
+            InputError: dartpy is not installed, or stamps, motion, settings or groove are invalid.
         """
         settings = parameters if parameters is not None else DartParameters()
         if not isinstance(settings, DartParameters):
@@ -104,7 +105,7 @@ def _dartpy() -> ModuleType:
 
 @dataclass(frozen=True)
 class _Scene:
-    """What is built: world, the beam's two joints, the ball and its joint (dartpy objects)."""
+    """The dartpy objects: world, the beam's two joints, the ball and its joint."""
 
     world: Any
     chord: Any
@@ -114,7 +115,7 @@ class _Scene:
 
     @classmethod
     def build(cls, dart: ModuleType, rig: Rig, settings: DartParameters) -> _Scene:
-        """Beam and ball in a world of their own."""
+        """Builds beam and ball in a new world."""
         world = dart.simulation.World("ball_beam")
         world.setTimeStep(settings.time_step)
         world.setGravity(np.array(to_world(0.0, 0.0, -rig.gravity, -rig.level_angle)))
@@ -150,7 +151,7 @@ class _Scene:
         return cls(world, chord, pivot, ball, free)
 
     def place(self, first: Start) -> None:
-        """Put the ball where it starts."""
+        """Sets the initial state of the ball."""
         pose = np.eye(4)
         pose[:3, 3] = first.centre
         self.free.setTransform(pose)
@@ -158,7 +159,7 @@ class _Scene:
         self.free.setAngularVelocity(np.array([0.0, first.spin, 0.0]))
 
     def contacts(self, angle: float) -> tuple[int, float]:
-        """Contacts that carry a force, and the sum of their normal forces across the edge plane at α [rad]."""
+        """Number of contacts that carry a force, and the sum of their forces normal to the edge plane at α [N]."""
         up = np.array(to_world(0.0, 0.0, 1.0, angle))
         found = self.world.getLastCollisionResult().getContacts()
         loads = [(float(contact.force @ contact.normal), abs(float(contact.normal @ up))) for contact in found]
@@ -166,12 +167,12 @@ class _Scene:
 
 
 def _sink(rig: Rig, time_step: float) -> float:
-    """How far the ball would have to rise to part from the rails [m]."""
+    """Overlap of ball and rails [m]."""
     return SINK * rig.gravity * time_step**2
 
 
 def _solid(body: Any, shape: Any, settings: DartParameters) -> Any:
-    """A shape that collides, on `body`."""
+    """Attaches a collision shape to `body`."""
     node = body.createShapeNode(shape)
     node.createCollisionAspect()
     surface = node.createDynamicsAspect()
@@ -183,7 +184,7 @@ def _solid(body: Any, shape: Any, settings: DartParameters) -> Any:
 def _drive(
     scene: _Scene, rig: Rig, grid: Grid, first: Start, force: BallForce | None, limits: Limits, health_interval: float
 ) -> tuple[Track, Samples]:
-    """Step through the grid; stops early where `judge` will raise."""
+    """Steps through the grid; stops early if the run is invalid."""
     dt, height = grid.time_step, rig.eccentricity + rig.rolling_radius
     world, chord, pivot, ball, free = scene.world, scene.chord, scene.pivot, scene.ball, scene.free
     angles, rates, times = grid.angle.tolist(), grid.rate.tolist(), grid.time.tolist()
@@ -196,7 +197,7 @@ def _drive(
     s, speed = state[3] * cosines[0] - state[5] * sines[0], first.velocity_along
     speed_before = speed - dt * first.acceleration_along
     for n in range(grid.steps):
-        cos, sin, rate, now = cosines[n], sines[n], rates[n], 1.5 * speed - 0.5 * speed_before  # ṡ carried on to t_n
+        cos, sin, rate, now = cosines[n], sines[n], rates[n], 1.5 * speed - 0.5 * speed_before  # ṡ extrapolated to t_n
         along = -0.5 * s * rate * rate * dt
         normal = -(rate * now + 0.5 * height * rate * rate) * dt - down
         pivot.setPosition(0, angles[n])
@@ -218,7 +219,7 @@ def _drive(
             if np.array_equal(state, before) and (turned > STANDSTILL or ball.getLinearVelocity().any()):
                 samples.frozen = n
             off = state[5] * cosines[n + 1] + state[3] * sines[n + 1] - height
-            if samples.frozen is not None or limits.broken(s, state[4], off):
+            if samples.frozen is not None or limits.exceeded(s, state[4], off):
                 break
     path = np.array(states)
     half = 0.5 * np.linalg.norm(path[:, :3], axis=1)

@@ -1,4 +1,4 @@
-"""What is watched while an engine runs, and the ways in which a run can fail. A failure's text is advice."""
+"""Health of an engine run, and the named ways in which a run can fail, each with its remedy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Failure(StrEnum):
-    """Why a run cannot be trusted; the value is what the user should do about it."""
+    """Why an engine run is invalid; the value describes cause and remedy."""
 
     LEFT_GROOVE = "the ball left the groove; check the start position, a jump in the angle, or lower the time step"
     LOST_CONTACT = "the ball does not touch both edges; lower the time step or make the contact stiffer"
@@ -15,13 +15,13 @@ class Failure(StrEnum):
     SLIPPED = "the ball slid instead of rolling; raise the friction coefficient"
     NOT_FINITE = "a state is not a finite number; lower the time step or make the contact softer"
     RESET = "the engine reset its state (bad acceleration); lower the time step or make the contact softer"
-    FROZEN = "the engine repeated its state although time went on; lower the time step"
+    FROZEN = "the engine repeated its state while time advanced; lower the time step"
     RAN_OFF = "the ball ran past the end of the rails; check the level angle and the start state"
 
 
 @dataclass(frozen=True)
 class Health:
-    """Extremes met during a run.
+    """Extreme values during a run.
 
     Attributes:
         contacts_min: fewest contacts ball–beam in any checked step.
@@ -32,7 +32,7 @@ class Health:
         slip_max: largest |ṡ − r (φ̇ − α̇)| after the first step [m/s].
         angle_error_max: largest |beam angle in the engine − angle asked for| [rad].
         steps: number of steps taken.
-        warnings: what the engine itself complained of.
+        warnings: issued by the engine itself.
     """
 
     contacts_min: int

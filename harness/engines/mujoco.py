@@ -1,12 +1,12 @@
-"""MuJoCo: the ball between the edges of two boxes on a hinge that is driven by its angular acceleration.
+"""MuJoCo: the ball on the edges of two boxes on a hinge driven by its angular acceleration.
 
-Semi-implicit Euler keeps velocities at t − dt/2. A hinge of inertia 1e11 kg m² that starts with the rate at −dt/2 and
-is given the second difference of the recorded angle meets every recorded angle to 3e-10 rad, whatever lies on it.
+Semi-implicit Euler has its velocities at t − dt/2. A hinge of inertia 1e11 kg m² with the initial rate at −dt/2, driven
+with the second difference of the recorded angle, follows the recorded angle to 3e-10 rad under any load.
 
-What has to be right for the validated accuracy (each with a test in `tests/engines/test_mujoco.py`, numbers in
-mjcf/README.md): the start half a step early; a margin that lets the soft contact carry the ball at its declared height;
-friction that removes 1.8 times the slip per step, because the contact's frame lags half a step behind; and friction
-across the beam that leaves the load to the normals.
+The validated accuracy requires (each with a test in `tests/engines/test_mujoco.py`, numbers in mjcf/README.md): initial
+velocities half a step early; a margin with which the soft contact carries the ball at its declared height; friction
+that removes 1.8 times the slip per step, because the contact frame lags by half a step; and low friction across the
+beam, so that the normal forces carry the load.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from harness.engines.watch import Limits, Samples, judge, limits_of
 from harness.errors import EngineFailure, InputError
 from mjcf.scene import make_scene
 
-CHUNK = 500  # steps between two looks at whether it is worth going on
-# A flight this long passes if the ball touched before and after it. The moment of momentum about the contact line does
-# not know whether the ball flies or rolls, so that it lands with the state it would have had: at 3° it strays by
-# (1 − K) g sin α t²/2 = 8 µm meanwhile.
+CHUNK = 500  # steps between two checks for an early stop
+# Longest loss of contact that is tolerated if the ball touches before and after it [s]. The angular momentum about the
+# contact line is the same in flight and in rolling, so the ball lands with the state of a rolling ball; at 3° the
+# position is off by (1 − K) g sin α t²/2 = 8 µm in between.
 FLIGHT = 0.01
 
 
@@ -57,11 +57,11 @@ class MuJoCo:
         parameters: EngineParameters | None = None,
         force: BallForce | None = None,
     ) -> EngineRun:
-        """Drive the beam and follow the ball; arguments as in `Engine.run`.
+        """Simulates the ball on the driven beam; arguments as in `Engine.run`.
 
         Raises:
-            EngineFailure: the run cannot be trusted.
-            InputError: stamps, motion, settings or groove cannot be worked with.
+            EngineFailure: the run is invalid.
+            InputError: stamps, motion, settings or groove are invalid.
         """
         settings = parameters if parameters is not None else MuJoCoParameters()
         if not isinstance(settings, MuJoCoParameters):
@@ -73,7 +73,7 @@ class MuJoCo:
         rate = float((motion.derivative(begin) - 0.5 * grid.time_step * motion.derivative(begin, 2))[0])
         with _quiet():
             model = _load(rig, settings)
-            lift = _settle(self.name, model, rig, settings.margin, grid)
+            lift = _set_margin(self.name, model, rig, settings.margin, grid)
             data = _place(model, first, float(grid.angle[0]), rate, lift)
             log = _drive(model, data, rig, grid, first, rate, force, limits)
         track = track_of(rig, grid, log.pose[:, 1:4], spin_angle_of(log.pose[:, 6], log.pose[:, 4]))
@@ -89,12 +89,12 @@ class MuJoCo:
 
 @dataclass(frozen=True)
 class _Log:
-    """What was recorded, one row a step, up to where a run ended or stopped being one.
+    """States and contact forces of a run, one row per step, up to its end or early stop.
 
     Attributes:
         pose: α [rad], centre [m] and quaternion, shape (k + 1, 8).
         force: of the contacts at both rails, normal first, shape (k, 6) [N].
-        stopped: why the engine itself gave up, if it did.
+        stopped: failure reported by the engine itself, if any.
     """
 
     pose: FloatArray
@@ -104,7 +104,7 @@ class _Log:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """MuJoCo counts its warnings in the data; keep it from also printing them and writing MUJOCO_LOG.TXT."""
+    """Keeps MuJoCo from printing warnings and writing MUJOCO_LOG.TXT; it also counts them in its data."""
     handler = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda message: None)
     try:
@@ -122,11 +122,11 @@ def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
     return model
 
 
-def _settle(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
-    """Let the contacts carry the ball's weight, and return how far above h + r that holds its centre [m].
+def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
+    """Sets the margin with which the contacts carry the ball at its declared height; returns the excess height [m].
 
-    Without a margin the ball sinks into its soft contacts, by 0.07 µm at dt = 1 ms with the defaults and by 0.3 mm with
-    MuJoCo's own: that changes r, and s by 4 µm and by 16 mm in 10 s. A margin of that depth raises it back.
+    Without a margin the ball sinks into its soft contacts, by 0.07 µm at dt = 1 ms with our defaults and by 0.3 mm with
+    MuJoCo's: that changes r, and s by 4 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
     """
     data = mujoco.MjData(model)
     model.pair_margin[:] = 0.0
@@ -151,7 +151,7 @@ def _settle(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, 
 
 
 def _place(model: mujoco.MjModel, first: Start, angle: float, rate: float, lift: float) -> mujoco.MjData:
-    """Beam and ball at t₀, with velocities at t₀ − dt/2."""
+    """Initial state: positions at t₀, velocities at t₀ − dt/2."""
     data = mujoco.MjData(model)
     up = np.array([np.sin(angle), 0.0, np.cos(angle)])
     data.qpos[0], data.qpos[1:4] = angle, np.array(first.centre) + lift * up
@@ -169,7 +169,7 @@ def _drive(
     force: BallForce | None,
     limits: Limits,
 ) -> _Log:
-    """Step through the grid; stops early where `judge` will raise."""
+    """Steps through the grid; stops early if the run is invalid."""
     dt, steps = grid.time_step, grid.steps
     turns = (np.diff(grid.rate, prepend=rate) / dt).tolist()
     poses, forces, clock = np.empty((steps + 1, model.nq)), np.empty((steps, model.nsensordata)), np.zeros(steps + 1)
@@ -194,13 +194,13 @@ def _drive(
             return _Log(poses[: n + 1], forces[: max(n, 1)], why)
         x, y, z = poses[end, 1:4].tolist()
         along, across, normal = to_beam(x, y, z, float(grid.angle[end]))
-        if limits.broken(along, across, normal - rig.eccentricity - rig.rolling_radius):
+        if limits.exceeded(along, across, normal - rig.eccentricity - rig.rolling_radius):
             return _Log(poses[: end + 1], forces[:end], None)
     return _Log(poses, forces, None)
 
 
 class _Push:
-    """Applies the extra force F(s, ṡ, α, t) at t_n. The engine knows ṡ up to t_n − dt/2; two of them give it at t_n."""
+    """Applies the force F(s, ṡ, α, t) at t_n, with ṡ extrapolated from the engine's last two half-step velocities."""
 
     def __init__(self, force: BallForce, grid: Grid, first: Start, data: mujoco.MjData) -> None:
         self._force, self._dt = force, grid.time_step
@@ -214,7 +214,7 @@ class _Push:
         return float(self._pose[1]) * self._cos[n] - float(self._pose[3]) * self._sin[n]
 
     def apply(self, n: int) -> None:
-        """Set the force of the step from t_n on."""
+        """Sets the force of the step that begins at t_n."""
         along = self._where(n)
         speed = (along - self._along) / self._dt
         push = self._force(along, 1.5 * speed - 0.5 * self._speed, self._angle[n], self._time[n])
@@ -223,14 +223,14 @@ class _Push:
 
 
 def _samples(rig: Rig, grid: Grid, log: _Log) -> tuple[Samples, int, float]:
-    """The best of every `FLIGHT` for the judge; fewest contacts and smallest load [N] of all steps for the record."""
+    """Samples with the maxima of every interval `FLIGHT`; fewest contacts and smallest load [N] of all steps."""
     normal = log.force[:, [0, 3]]
     touching = (normal > 0.0).sum(axis=1)
     load = normal.sum(axis=1) * rig.rolling_radius / rig.radius
     error = np.abs(log.pose[:, 0] - grid.angle[: len(log.pose)])
     every = max(1, round(FLIGHT / grid.time_step))
     samples = Samples()
-    whole = max(1, len(touching) // every)  # what is left over joins the last
+    whole = max(1, len(touching) // every)  # the last window includes the remainder
     for n, end in zip(range(0, whole * every, every), [*range(every, whole * every, every), None], strict=True):
         window = slice(n, end)
         samples.add(n, int(touching[window].max()), float(load[window].max()), float(error[window].max()))
@@ -238,7 +238,7 @@ def _samples(rig: Rig, grid: Grid, log: _Log) -> tuple[Samples, int, float]:
 
 
 def _warnings(data: mujoco.MjData) -> tuple[str, ...]:
-    """What MuJoCo complained of, with how often."""
+    """MuJoCo's warnings with their counts."""
     kinds = [kind for kind in mujoco.mjtWarning.__members__.values() if kind != mujoco.mjtWarning.mjNWARNING]
     counts = [(kind.name.removeprefix("mjWARN_"), data.warning[int(kind)].number) for kind in kinds]
     return tuple(f"{name} × {count}" for name, count in counts if count)

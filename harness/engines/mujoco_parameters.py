@@ -1,4 +1,4 @@
-"""MuJoCo's settings: names, units, defaults and bounds, and the MJCF attributes they become."""
+"""MuJoCo's parameters: names, units, defaults and bounds, and their translation to MJCF attributes."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from mjcf.scene import (
 )
 
 MIN_FRICTION = 1e-5  # MuJoCo raises smaller coefficients to this (mjMINMU)
-MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999  # and keeps impedances within these (mjMINIMP, mjMAXIMP)
+MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999  # MuJoCo clips impedances to this range (mjMINIMP, mjMAXIMP)
 
 
 class MuJoCoParameters(EngineParameters):
-    """Settings of MuJoCo under its own names. What MuJoCo would clamp or ignore without a word is refused."""
+    """Parameters of MuJoCo under its own names. Values that MuJoCo would silently clip or ignore are refused."""
 
     friction: float = Field(
         FRICTION, ge=MIN_FRICTION, le=10.0, description="friction coefficient of ball and rail along the beam [1]"
@@ -34,10 +34,10 @@ class MuJoCoParameters(EngineParameters):
         None,
         ge=MIN_FRICTION,
         le=10.0,
-        description="the same across the beam [1]; none: small enough to leave the load to the normals",
+        description="the same across the beam [1]; none: so small that the normal forces carry the load",
     )
     condim: Literal[3, 4, 6] = Field(
-        3, description="dimension of a contact: 3 slides, 4 has torsional, 6 also rolling friction"
+        3, description="contact dimension: 3 sliding friction, 4 also torsional, 6 also rolling friction"
     )
     torsional_friction: float = Field(
         0.0, ge=0.0, le=0.1, description="friction against spinning about a normal [m]; in a groove it brakes rolling"
@@ -47,54 +47,57 @@ class MuJoCoParameters(EngineParameters):
         RELAXATION,
         gt=0.0,
         lt=2.0,
-        description="share of the slip velocity that friction removes in a step [1]; none: as solref says. Take 0.01 "
-        "where the ball slides or has rolling friction: MuJoCo lifts it off by the friction times the slip removed",
+        description="share of the slip velocity that friction removes per step [1]; none: as solref. Use 0.01 for "
+        "a sliding ball or rolling friction: MuJoCo lifts the ball by the friction times the slip removed",
     )
     solref_timeconst: float | None = Field(
         None, gt=0.0, le=1.0, description="time constant of the contact [s]; none: two steps, MuJoCo's shortest"
     )
     solref_dampratio: float = Field(DAMPING_RATIO, gt=0.0, le=100.0, description="damping ratio of the contact [1]")
     solimp_dmin: float = Field(
-        IMPEDANCE, ge=MIN_IMPEDANCE, le=MAX_IMPEDANCE, description="impedance of the contact at first touch [1]"
+        IMPEDANCE, ge=MIN_IMPEDANCE, le=MAX_IMPEDANCE, description="impedance of the contact at zero penetration [1]"
     )
     solimp_dmax: float = Field(
         IMPEDANCE, ge=MIN_IMPEDANCE, le=MAX_IMPEDANCE, description="impedance at and beyond solimp_width [1]"
     )
     solimp_width: float = Field(0.001, gt=0.0, le=0.1, description="depth over which the impedance changes [m]")
     solimp_midpoint: float = Field(
-        0.5, ge=MIN_IMPEDANCE, le=MAX_IMPEDANCE, description="where the impedance's curve turns, share of the width [1]"
+        0.5,
+        ge=MIN_IMPEDANCE,
+        le=MAX_IMPEDANCE,
+        description="inflection of the impedance curve, share of the width [1]",
     )
     solimp_power: float = Field(2.0, ge=1.0, le=10.0, description="exponent of the impedance's curve [1]")
     margin: float | None = Field(
         None,
         ge=0.0,
         le=1e-3,
-        description="distance at which the contact begins to push [m]; none: as deep as the ball's weight sinks, so "
-        "that it rolls at its declared height",
+        description="distance at which the contact force begins [m]; none: the penetration under the ball's weight, "
+        "so that it rolls at its declared height",
     )
     gap: float = Field(0.0, ge=0.0, le=1e-2, description="distance beyond the margin at which contacts are listed [m]")
     impratio: float | None = Field(
-        None, gt=0.0, le=1e6, description="impedance of friction over that of the normal [1]; none: goes with friction"
+        None, gt=0.0, le=1e6, description="ratio of frictional to normal impedance [1]; none: derived from friction"
     )
     cone: Literal["elliptic", "pyramidal"] = Field(
-        "elliptic", description="friction cone; the pyramidal one lets a hard contact bounce"
+        "elliptic", description="friction cone; with the pyramidal one a hard contact bounces"
     )
     integrator: Literal["Euler", "implicitfast", "implicit"] = Field(
-        "Euler", description="integrator; those that keep velocities at t − dt/2"
+        "Euler", description="integrator, one with velocities at t − dt/2"
     )
     solver: Literal["Newton", "CG", "PGS"] = Field("Newton", description="constraint solver")
-    iterations: int = Field(50, ge=1, le=10_000, description="most iterations of the solver in a step [1]")
-    noslip_iterations: int = Field(0, ge=0, le=1000, description="iterations of the pass against slip [1]")
+    iterations: int = Field(50, ge=1, le=10_000, description="maximum solver iterations per step [1]")
+    noslip_iterations: int = Field(0, ge=0, le=1000, description="iterations of the noslip pass [1]")
     tolerance: float = Field(
-        1e-16, ge=0.0, le=1e-14, description="where the solver stops, relative to the pivot's inertia [1]"
+        1e-16, ge=0.0, le=1e-14, description="solver tolerance, relative to the pivot's inertia [1]"
     )
-    refsafe: bool = Field(True, description="refuse contact time constants under two steps, which may explode")
+    refsafe: bool = Field(True, description="refuse contact time constants below two steps, which may be unstable")
     slip_limit: float = Field(
         0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
     )
 
     @model_validator(mode="after")
-    def _nothing_is_ignored(self) -> MuJoCoParameters:
+    def _refuse_ignored_values(self) -> MuJoCoParameters:
         given = self.model_fields_set
         shortest = 2 * self.time_step
         if self.refsafe and self.solref_timeconst is not None and self.solref_timeconst < shortest * (1 - 1e-9):
@@ -148,10 +151,10 @@ class MuJoCoParameters(EngineParameters):
 
     @property
     def _soft_across(self) -> bool:
-        """Whether friction across the beam may be all but left out.
+        """Whether friction across the beam may be almost removed.
 
-        Torsional and rolling friction are regularised relative to it and need it stiff; solvers of first order converge
-        badly on so uneven a contact; the pyramidal cone knows no impratio of this kind.
+        Torsional and rolling friction are regularised relative to it and need it stiff; first-order solvers converge
+        slowly on such ill-conditioned contacts; the pyramidal cone does not support such an impratio.
         """
         return self.condim == 3 and self.cone == "elliptic" and self.solver == "Newton"
 
@@ -162,5 +165,5 @@ class MuJoCoParameters(EngineParameters):
         if aligned(rig) and self._soft_across:
             return max(self.friction * ACROSS, MIN_FRICTION)
         if aligned(rig) and self.condim > 3:
-            return max(self.friction * 40 * ACROSS, MIN_FRICTION)  # the load is the normals' but for half a per cent
+            return max(self.friction * 40 * ACROSS, MIN_FRICTION)  # normal forces carry all but 0.5 % of the load
         return self.friction

@@ -1,4 +1,4 @@
-"""What every engine offers: contact parameters with names and bounds, and a driven run with its health."""
+"""The interface of all engines: contact parameters with names and bounds, and a driven run with its health."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from harness.engines.health import Health
 
 class EngineParameters(BaseModel):
     """Settings of one engine. Field names are what the user types (`--set mujoco.friction=0.3`); each field has a
-    description with its unit, a default that reaches the validated accuracy, and bounds."""
+    description with its unit, a default that attains the validated accuracy, and bounds."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -23,13 +23,13 @@ class EngineParameters(BaseModel):
 
 @dataclass(frozen=True)
 class EngineRun:
-    """What an engine returns.
+    """Result of an engine run.
 
     Attributes:
-        trajectory: at exactly the time stamps asked for.
-        rolled_angle: φ − α, the angle by which the ball turned relative to the beam since the start, shape (n,)
+        trajectory: at the requested time stamps.
+        rolled_angle: φ − α, rotation of the ball relative to the beam since the start, shape (n,)
             [rad]; for pure rolling it is (s − s₀)/r.
-        health: what was watched on the way; a run that fails raises instead.
+        health: extreme values during the run.
     """
 
     trajectory: Trajectory
@@ -38,7 +38,7 @@ class EngineRun:
 
 
 class Engine(Protocol):
-    """A physics engine that drives the beam exactly and lets the ball roll."""
+    """A physics engine with a prescribed beam motion and a free ball."""
 
     name: str
     parameters: type[EngineParameters]
@@ -57,17 +57,17 @@ class Engine(Protocol):
         parameters: EngineParameters | None = None,
         force: BallForce | None = None,
     ) -> EngineRun:
-        """Drive the beam with `motion` and follow the ball.
+        """Simulates the ball on a beam driven with `motion`.
 
         Args:
             rig: the rig; `level_angle` tilts gravity.
-            motion: beam angle, asked on the engine's own grid from `time[0]` to `time[-1]`.
+            motion: of the beam, evaluated on the engine's own grid from `time[0]` to `time[-1]`.
             start: ball state at `time[0]`, rolling without slip.
-            time: stamps at which the ball is wanted, shape (n,), strictly increasing, uneven is fine [s].
-            parameters: settings, `None` for the defaults.
-            force: extra force along the beam on the ball's centre, evaluated every step.
+            time: output stamps, shape (n,), strictly increasing, possibly uneven [s].
+            parameters: `None` for the defaults.
+            force: additional force along the beam on the ball's centre, evaluated every step.
 
         Raises:
-            EngineFailure: the run cannot be trusted (see `harness.engines.health`).
+            EngineFailure: the run is invalid (see `harness.engines.health.Failure`).
         """
         ...

@@ -299,7 +299,7 @@ def _drive(
             if centre == before and (abs(angles[n + 1] - angles[n]) > STANDSTILL or scene.ball_speed() > STANDSTILL):
                 samples.frozen = n
             off = centre[2] * cosines[n + 1] + centre[0] * sines[n + 1] - height
-            if samples.frozen is not None or limits.broken(s, centre[1], off):
+            if samples.frozen is not None or limits.exceeded(s, centre[1], off):
                 break
     quaternions = np.array(turns)
     return track_of(rig, grid, np.array(centres), spin_angle_of(quaternions[:, 1], quaternions[:, 3])), samples

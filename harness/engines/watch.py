@@ -1,4 +1,4 @@
-"""Judges what an engine did: every step's path, and contacts sampled on the way. A bad run raises, never passes on."""
+"""Validity check of an engine run from the path at every step and sampled contacts; an invalid run raises."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from harness.engines.health import Failure, Health
 from harness.engines.leapfrog import Grid, Track
 from harness.errors import EngineFailure, InputError
 
-FLATTEST_GROOVE = 0.01  # w/2 over R; at a seventh of it Bullet lets the ball roll out sideways
-STANDSTILL = 1e-9  # [rad] a step, [m/s]: more than this moves a position by what a double resolves
+MIN_GROOVE = 0.01  # half gap w/2 over R; at a seventh of it the ball rolls out sideways in Bullet
+STANDSTILL = 1e-9  # [rad] per step, [m/s]: smaller motions may be lost in rounding
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Beyond these a run is not the rig's any more.
+    """Bounds of a valid run.
 
     Attributes:
         across: |y| [m].
@@ -34,29 +34,29 @@ class Limits:
     along: float
     slip: float
 
-    def broken(self, along: float, across: float, height_error: float) -> bool:
-        """Whether a ball at s, y and this height error [m] is out of bounds, or not anywhere (nan)."""
+    def exceeded(self, along: float, across: float, height_error: float) -> bool:
+        """Whether a ball at s, y and this height error [m] is out of bounds or NaN."""
         return not (
             abs(along) <= self.along and abs(across) <= self.across and abs(height_error) <= self.height
         )  # fmt: skip
 
 
 def limits_of(rig: Rig, *, reach: float, slip: float) -> Limits:
-    """The limits for `rig` on rails from −reach to +reach [m].
+    """Limits for `rig` on rails from −reach to +reach [m].
 
     Raises:
-        InputError: the groove is too flat to hold a ball in an engine.
+        InputError: the groove is too shallow to hold the ball in an engine.
     """
-    if rig.half_gap < FLATTEST_GROOVE * rig.radius:
+    if rig.half_gap < MIN_GROOVE * rig.radius:
         raise InputError(
             f"rolling_radius {rig.rolling_radius:g} m leaves no groove for a ball of radius {rig.radius:g} m; the "
-            f"engines need at most {rig.radius * (1 - 0.5 * FLATTEST_GROOVE**2):.9g} m"
+            f"engines need at most {rig.radius * (1 - 0.5 * MIN_GROOVE**2):.9g} m"
         )
     return Limits(
-        # The barrier's top is at |y| = w/2. In a sound run |y| stays below 0.1 µm; half way up, the ball is leaving.
+        # The top of the edge is at |y| = w/2. In a valid run |y| stays below 0.1 µm; at half of w/2 the ball leaves.
         across=0.5 * rig.half_gap,
-        # A sound run keeps 0.2 µm at dt = 1 ms. A tenth of r is a rolling radius, hence a slope of s over φ, that is
-        # 10 % off; a ball that fell reaches it after √(0.2 r/g) = 15 ms.
+        # A valid run keeps 0.2 µm at dt = 1 ms. A tenth of r means a rolling radius, hence a slope of s over φ, 10 %
+        # off; a falling ball reaches it after √(0.2 r/g) = 15 ms.
         height=0.1 * rig.rolling_radius,
         along=reach - rig.radius,
         slip=slip,
@@ -65,14 +65,14 @@ def limits_of(rig: Rig, *, reach: float, slip: float) -> Limits:
 
 @dataclass
 class Samples:
-    """Contacts and drive as seen at some steps, filled in by the engine while it runs.
+    """Contacts and drive at sampled steps, filled in by the engine during the run.
 
     Attributes:
         step: index n of each sample.
-        contacts: number of contacts ball–beam that carry a force.
+        contacts: number of ball–beam contacts that carry a force.
         normal_force: sum of their normal forces' components normal to the edge plane [N].
         angle_error: |beam angle in the engine − α| [rad].
-        frozen: step at which the engine was seen to repeat a state, if any.
+        frozen: step at which the engine repeated a state, if any.
     """
 
     step: list[int] = field(default_factory=list)
@@ -92,11 +92,11 @@ class Samples:
 def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, limits: Limits) -> Health:
     """Health of a run, which may have stopped early.
 
-    Of several failures the cause is named: a state that is not finite, a frozen one, the end of the rails, a slide
-    that began before the ball lost its hold, contacts at wrong places, leaving the groove, a lost contact.
+    Of several failures the first applicable one is reported, causes before consequences: non-finite state, frozen
+    state, end of the rails, sliding before contact was lost, extra contacts, leaving the groove, lost contact.
 
     Raises:
-        EngineFailure: the run cannot be trusted.
+        EngineFailure: the run is invalid.
     """
     _require_finite(engine, grid, track)
     height_error = track.height - rig.rolling_radius
@@ -107,14 +107,14 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
     loose = [n for n, count, force in zip(samples.step, samples.contacts, samples.normal_force, strict=True)
              if count < 2 or force <= 0.0]  # fmt: skip
     lost = loose[0] if loose else None
-    # A ball without contact slips by definition: only a slide up to the last sound sample is one.
+    # A ball without contact always slips: slip counts only up to the last sample with contact.
     held = [n for n in samples.step if (left is None or n < left) and (lost is None or n < lost)]
 
     def fail(failure: Failure, n: int, what: str) -> EngineFailure:
         return EngineFailure(engine, failure, float(grid.time[n]), f"{what}; {failure.value}")
 
     if samples.frozen is not None:
-        raise fail(Failure.FROZEN, samples.frozen, "the ball stood still in space while it should have moved")
+        raise fail(Failure.FROZEN, samples.frozen, "the ball did not move although it should have")
     if off is not None and (left is None or off <= left):
         raise fail(Failure.RAN_OFF, off, f"s = {track.along[off]:.2f} m is past the end of the rails")
     if slid is not None and ((left is None and lost is None) or (held and slid <= held[-1])):
@@ -146,7 +146,7 @@ def finite_force(engine: str, force: BallForce, s: float, speed: float, angle: f
     """F(s, ṡ, α, t) [N].
 
     Raises:
-        EngineFailure: it is not finite. (DART would ignore such a force without a word.)
+        EngineFailure: it is not finite (DART would silently ignore such a force).
     """
     push = force(s, speed, angle, time)
     if not math.isfinite(push):
@@ -159,7 +159,7 @@ def _require_finite(engine: str, grid: Grid, track: Track) -> None:
     bad = _first(~good)
     if bad is not None:
         failure = Failure.NOT_FINITE
-        raise EngineFailure(engine, failure, float(grid.time[bad]), f"a state is nan or infinite; {failure.value}")
+        raise EngineFailure(engine, failure, float(grid.time[bad]), f"a state is NaN or infinite; {failure.value}")
 
 
 def _first(condition: NDArray[np.bool_]) -> int | None:

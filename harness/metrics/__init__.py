@@ -1,12 +1,12 @@
-"""How far a model is from the measurement: metrics in physical units, one record a source and horizon.
+"""Validation metrics: the error of a model against the measurement, in physical units, per source and horizon.
 
-You provide `Comparison`s (measured and model positions on common stamps; velocities, outlier mask and uncertainty if
-known), one for a free run or one a window; `score` returns a `Score`, whose fields are the columns of
-metrics.csv. `METRICS` says what each means, in which unit, and which values are better.
+The input is one `RunComparison` per run: measured and model positions on common time stamps, with velocities, outlier
+mask and uncertainty if known. `score` pools them into a `Score`, whose fields are the columns of metrics.csv. `METRICS`
+describes each metric, its unit, and which values are better.
 """
 
 from harness.metrics.catalogue import METRICS, Better, Metric, Score, find_metric
-from harness.metrics.comparison import Comparison
+from harness.metrics.run_comparison import RunComparison
 from harness.metrics.score import TOLERANCE, WHOLE, horizon_name, score
 from harness.metrics.validation import validation_uncertainty
 
@@ -15,8 +15,8 @@ __all__ = [
     "TOLERANCE",
     "WHOLE",
     "Better",
-    "Comparison",
     "Metric",
+    "RunComparison",
     "Score",
     "find_metric",
     "horizon_name",

@@ -1,4 +1,4 @@
-"""The record of a score and the catalogue of its metrics: one field is one column of metrics.csv and one entry here.
+"""The `Score` and the catalogue of its metrics: each field is a column of metrics.csv and an entry of `METRICS`.
 
 A field's name ends in its unit; dimensionless ones have none.
 """
@@ -25,14 +25,14 @@ class Better(StrEnum):
 
 @dataclass(frozen=True)
 class Metric:
-    """What a column means and how a limit on it is read.
+    """Description of one metric, and how a limit on it is checked.
 
     Attributes:
         name: field of `Score`, column of metrics.csv.
-        description: one line for reports and help texts.
+        description: one line, for reports and help texts.
         unit: as printed; "1" if dimensionless.
         better: which values are better.
-        aliases: short names a user may type instead.
+        aliases: accepted short names.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Metric:
     aliases: tuple[str, ...] = ()
 
     def meets(self, value: float, limit: float) -> bool:
-        """Whether `value` keeps `limit` (at most, at least, or at most in magnitude); NaN keeps none."""
+        """Whether `value` satisfies `limit`: at most, at least, or at most in magnitude; false for NaN."""
         match self.better:
             case Better.SMALLER:
                 return value <= limit
@@ -58,18 +58,18 @@ def _metric(description: str, unit: str, better: Better, *aliases: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """Every metric of one source on one horizon; NaN where a metric is not defined or was not asked for.
+    """All metrics of one source on one horizon; NaN if a metric is undefined or its inputs are missing.
 
     Attributes:
-        source: who is scored (`cam`, `mujoco` …).
-        horizon: "whole" for the free run over the recording, else the windows' length, as in "2 s".
-        windows: number of runs pooled; the models start anew in each.
-        samples: number of valid stamps in all of them.
-        duration_s: time they span together [s].
+        source: model or engine (`cam`, `mujoco` …).
+        horizon: "whole" for the free run over the recording, else the window length, as in "2 s".
+        windows: number of runs pooled; every run restarts from the estimated state.
+        samples: number of valid stamps in all runs.
+        duration_s: total duration of the runs [s].
         iso18571_rank: excellent, good, fair, poor or undefined.
         tolerance_m: half width of the tube of `fraction_outside_tube` [m].
 
-    All further attributes are metrics, described in `METRICS`.
+    All other attributes are metrics, described in `METRICS`.
     """
 
     source: str
@@ -92,9 +92,9 @@ class Score:
     rms_velocity_error_m_s: float = _metric("RMS of e_v", "m/s", Better.SMALLER, "rms_velocity")
     e_vel_m: float = _metric("E_vel = ∫ |e_v| dt, summed over windows (paper, Table 2)", "m", Better.SMALLER, "E_vel")
     sprague_geers_magnitude: float = _metric(
-        "M: relative error in size of motion", "1", Better.NEAR_ZERO, "M", "magnitude"
+        "M: relative error of the size of the motion", "1", Better.NEAR_ZERO, "M", "magnitude"
     )
-    sprague_geers_phase: float = _metric("P: error in timing, 1 is opposite", "1", Better.SMALLER, "P", "phase")
+    sprague_geers_phase: float = _metric("P: phase error; 1 is opposite phase", "1", Better.SMALLER, "P", "phase")
     sprague_geers_combined: float = _metric("C = √(M² + P²)", "1", Better.SMALLER, "C", "sprague_geers")
     lag_ms: float = _metric("shift of highest correlation; positive: the model is late", "ms", Better.NEAR_ZERO, "lag")
     iso18571_rating: float = _metric(
@@ -123,16 +123,16 @@ class Score:
 METRICS: Mapping[str, Metric] = MappingProxyType(
     {item.name: Metric(item.name, **item.metadata) for item in fields(Score) if item.metadata}
 )
-"""Every metric by its name, in the order of the columns."""
+"""All metrics by name, in the order of the columns."""
 
 _BY_ANY_NAME = {key.lower(): metric for metric in METRICS.values() for key in (metric.name, *metric.aliases)}
 
 
 def find_metric(name: str) -> Metric:
-    """The metric of this name or alias, in any case.
+    """The metric with this name or alias, ignoring case.
 
     Raises:
-        InputError: there is none; the message names the nearest.
+        InputError: there is none; the message suggests similar names.
     """
     key = name.strip().lower()
     if key in _BY_ANY_NAME:

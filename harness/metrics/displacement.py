@@ -1,6 +1,6 @@
-"""Plain errors: how far off, how often, what share of the motion is explained.
+"""Elementary error metrics: maximum, RMS, normalised fit, share outside a tube.
 
-Every valid stamp counts once; `error` is model − measured.
+All valid stamps have equal weight; `error` is model − measured.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.numerics import rms
 
 
 def max_error(error: FloatArray) -> float:
@@ -17,11 +18,11 @@ def max_error(error: FloatArray) -> float:
 
 def rms_error(error: FloatArray) -> float:
     """√(mean e²), in the unit of `error`, shape (n,); NaN if n = 0."""
-    return float(np.sqrt(np.mean(np.square(error)))) if error.size else np.nan
+    return rms(error) if error.size else np.nan
 
 
 def fit_percent(error: FloatArray, deviation: FloatArray) -> float:
-    """Normalised fit 100 (1 − ‖e‖/‖s − mean s‖) [%]: 100 is perfect, 0 is no better than the best constant.
+    """Normalised fit 100 (1 − ‖e‖/‖s − mean s‖) [%]: 100 is a perfect model, 0 no better than a constant.
 
     Source: L. Ljung, "System Identification: Theory for the User", 2nd ed., 1999 (`compare` of his toolbox).
 
@@ -30,7 +31,7 @@ def fit_percent(error: FloatArray, deviation: FloatArray) -> float:
         deviation: s − mean s of the measurement, shape (n,) [m].
 
     Returns:
-        unbounded below; NaN if the measurement is constant.
+        at most 100, unbounded below; NaN if the measurement is constant.
     """
     motion = float(np.linalg.norm(deviation))
     return 100.0 * (1.0 - float(np.linalg.norm(error)) / motion) if motion > 0.0 else np.nan

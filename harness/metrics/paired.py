@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import bootstrap
 
 from analytic.motion import FloatArray
+from harness.numerics import rms
 
 _RESAMPLES = 9999
 
@@ -37,7 +38,7 @@ def rms_reduction(before: FloatArray, after: FloatArray, chance: float = 0.05) -
     """
 
     def reduction(one: FloatArray, other: FloatArray, axis: int = -1) -> FloatArray:
-        return np.asarray(np.sqrt(np.mean(one**2, axis=axis)) - np.sqrt(np.mean(other**2, axis=axis)))
+        return rms(one, axis) - rms(other, axis)
 
     found = bootstrap(
         (before, after),

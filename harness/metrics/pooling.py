@@ -1,4 +1,4 @@
-"""How sure a figure pooled over windows is."""
+"""Standard error of an RMS pooled over windows."""
 
 from __future__ import annotations
 
@@ -12,20 +12,19 @@ RESAMPLES = 2000  # the standard error is then itself known to 1/√(2·2000) = 
 
 
 def rms_standard_error(errors: Sequence[FloatArray], *, seed: int = 0) -> float:
-    """Standard error of the RMS pooled over windows, by resampling whole windows (B. Efron's bootstrap).
+    """Standard error of the RMS pooled over windows, by a bootstrap over whole windows (Efron).
 
-    Errors within a window share a start and drift together, so single stamps are no independent draws; windows are, as
-    far as the models were restarted in each. A cause that outlasts a window correlates neighbours too: the figure is
-    then somewhat small.
+    Errors within a window are correlated through the common start; windows are independent because the models restart
+    in each. An error source that lasts longer than a window correlates windows too; the result is then too small.
 
     Args:
-        errors: one array a window, of any lengths > 0 [m].
-        seed: of the resampling; the same errors give the same figure.
+        errors: one non-empty array per window [m].
+        seed: of the resampling.
 
     Returns:
         in the unit of `errors`; NaN for fewer than two windows or errors that are not finite.
     """
-    from scipy import stats  # takes as long to import as all else together
+    from scipy import stats  # imported here because it takes as long as all other imports together
 
     squares = np.array([np.sum(np.square(error)) for error in errors])
     counts = np.array([error.size for error in errors], dtype=np.float64)

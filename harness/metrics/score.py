@@ -1,4 +1,4 @@
-"""From comparisons to a score: one source, one horizon, one flat record."""
+"""Computes all metrics of one source on one horizon."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.metrics.catalogue import Score
-from harness.metrics.comparison import Comparison, trapezoid_weights
 from harness.metrics.displacement import fit_percent, fraction_outside, max_error, rms_error
 from harness.metrics.iso18571 import Rating, even_grid, rank, rate
 from harness.metrics.lag import lag
 from harness.metrics.pooling import rms_standard_error
+from harness.metrics.run_comparison import RunComparison, trapezoid_weights
 from harness.metrics.time_history import absolute_integral, sprague_geers
 from harness.metrics.validation import fraction_within_uncertainty, rms_error_over_uncertainty
 
@@ -27,32 +27,31 @@ def horizon_name(seconds: float | None) -> str:
 
 def score(
     source: str,
-    windows: Comparison | Sequence[Comparison],
+    windows: RunComparison | Sequence[RunComparison],
     *,
     horizon: str = WHOLE,
     tolerance: float = TOLERANCE,
 ) -> Score:
     """Score one source on one horizon.
 
-    For the horizon "whole" give one comparison a recording; for windows one comparison each, the model started anew in
-    every one. How several become one number: extremes are extremes over all; RMS, fit, Sprague–Geers and shares are
-    formed over all stamps together (with mean and start of each window for itself); E_disp and E_vel are
-    sums, so that they compare with those of the whole run; lag and ISO ratings, which do not add up, are
-    medians over the windows that have one.
+    Pass one comparison per recording for the horizon "whole", else one per window, the model restarted in each.
+    Pooling over windows: extremes are taken over all; RMS, fit, Sprague–Geers and shares use all stamps together (with
+    mean and start of each window); E_disp and E_vel are summed, as over the whole run; lag and ISO ratings are medians
+    over the windows where they are defined.
 
     Args:
-        source: who is scored (`cam`, `mujoco` …).
+        source: name of the model or engine (`cam`, `mujoco` …).
         windows: the runs.
-        horizon: its name (`horizon_name`).
+        horizon: name of the horizon (`horizon_name`).
         tolerance: half width of the tube [m].
 
     Returns:
-        the record; velocity metrics are NaN without velocities, those over uncertainty unless every window has one.
+        all metrics; those of velocity are NaN without velocities, those of u_val unless every window has one.
 
     Raises:
-        ValueError: no window.
+        ValueError: there is no window.
     """
-    runs = [windows] if isinstance(windows, Comparison) else list(windows)
+    runs = [windows] if isinstance(windows, RunComparison) else list(windows)
     if not runs:
         raise ValueError(f"no window to score {source} on")
     errors = [run.error for run in runs]
@@ -106,11 +105,11 @@ def _median(values: Sequence[float]) -> float:
     return float(np.median(known)) if known else np.nan
 
 
-def _median_rating(runs: Sequence[Comparison]) -> Rating:
+def _median_rating(runs: Sequence[RunComparison]) -> Rating:
     ratings = [rate(*even_grid(run.time[run.valid], *run.displacement)) for run in runs]
     return Rating(*(_median(column) for column in zip(*ratings, strict=True)))
 
 
-def _uncertainty(runs: Sequence[Comparison]) -> FloatArray | None:
+def _uncertainty(runs: Sequence[RunComparison]) -> FloatArray | None:
     known = [run.uncertainty[run.valid] for run in runs if run.uncertainty is not None]
     return np.concatenate(known) if len(known) == len(runs) else None

@@ -1,4 +1,4 @@
-"""Time-history metrics that are integrals over the run: the paper's, and Sprague and Geers'."""
+"""Integral time-history metrics: the paper's E_disp and E_vel, and those of Sprague and Geers."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ def absolute_integral(error: FloatArray, weights: FloatArray) -> float:
 
     Args:
         error: shape (n,).
-        weights: of the trapezoidal rule on the same stamps, shape (n,) [s] (`comparison.trapezoid_weights`).
+        weights: of the trapezoidal rule on the same stamps, shape (n,) [s] (`run_comparison.trapezoid_weights`).
 
     Returns:
         NaN if n = 0.
     """
     if not error.size:
         return np.nan
-    # a stamp of weight 0 is a single one, which spans no time whatever its error
+    # a single stamp has weight 0; skipping it avoids ∞ · 0
     return float(np.sum(np.abs(error[weights > 0.0]) * weights[weights > 0.0]))
 
 
@@ -34,16 +34,16 @@ class SpragueGeers(NamedTuple):
 
 
 def sprague_geers(measured: FloatArray, model: FloatArray, weights: FloatArray) -> SpragueGeers:
-    """Errors in size and in timing, told apart by integrals of the two histories.
+    """Separate errors in magnitude and phase from integrals of the two histories.
 
     M = √(∫c²dt / ∫m²dt) − 1, P = arccos(∫c m dt / √(∫c²dt ∫m²dt)) / π, C = √(M² + P²), with m measured and c the
-    model. M is 0.1 if the model's motion is 10 % too large and does not see a delay; P is 0 for histories of equal
-    shape, φ/π for sines that are φ apart, 1 for opposite ones, and does not see a gain.
+    model. M is 0.1 if the model's motion is 10 % too large, and independent of a delay; P is 0 for histories of equal
+    shape, φ/π for sines with a phase difference φ, 1 for opposite ones, and independent of a gain.
 
-    Neither is indifferent to the zero of the signals: seen from far away, any two positions agree. Give displacements
-    from the *measured start* (`Comparison.displacement`): a ball that is accelerated 10 % too much goes 10 % too far
-    from there, whereas from the mean the same error would look partly like an offset and partly like a phase; and the
-    result does not depend on where on the beam the rig's zero lies. A constant offset of the model shows in both.
+    Both depend on the zero of the signals, since a large common offset hides any difference. Pass displacements from
+    the *measured start* (`RunComparison.displacement`): an acceleration 10 % too large then gives M = 0.1,
+    while relative to the mean it would be partly an offset and partly a phase error, and the result does not depend on
+    the origin of the position. A constant offset of the model affects both.
 
     Source: M. A. Sprague, T. L. Geers, "A spectral-element method for modelling cavitation in transient
     fluid-structure interaction", Int. J. Numer. Meth. Eng. 60 (2004) 2467–2499, doi 10.1002/nme.1054.
@@ -54,7 +54,7 @@ def sprague_geers(measured: FloatArray, model: FloatArray, weights: FloatArray) 
         weights: of the trapezoidal rule, shape (n,) [s].
 
     Returns:
-        NaN where the measured ball did not move; a phase of NaN where the model's did not.
+        all NaN if the measured ball does not move; phase and combined NaN if the model's does not.
     """
     mm = float(np.sum(weights * measured**2))
     if mm == 0.0:

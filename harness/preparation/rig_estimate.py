@@ -1,15 +1,15 @@
-"""What the rig file leaves open and CAM needs is estimated from the recordings.
+"""Estimates K, α₀ and ℓ, as far as the rig file does not determine them, from the recordings.
 
-CAM, divided by m (1 + J/(m r²)), with a rolling friction beside, so that it is not taken for something else:
+Model: CAM divided by m (1 + J/(m r²)), with a rolling friction so that friction does not bias the other estimates:
 
     s̈ = K [g sin(α + α₀) + s α̇² − ℓ α̈ − f N/m · sgn ṡ],   K = 1/(1 + J/(m r²)),   ℓ = h + r + J/(m r).
 
-Only K, ℓ and α₀ appear: masses and radii cannot be told apart by a trajectory. At the measured s and ṡ the bracket is
-known but for the four quantities, so that the ball's path is a double integral in time, of which only derivatives with
-respect to them are needed. What it leaves of the measured position is noise and the wandering of a ball that is pushed
-by the angle's error; least squares on the innovations weighs both, at the likeliest density of the wandering. A slow
-ball whose pull friction exceeds is held: nothing acts on it then. Where friction acts depends on the velocity, which
-the fit improves: it is repeated until it settles.
+Masses and radii are not identifiable beyond K, ℓ and α₀. At the measured s and ṡ the bracket is known except for the
+four parameters, so that the position is a double time integral, linearised in them (Gauss–Newton). The residual is
+sensor noise plus a random walk of the velocity caused by errors of the angle, white acceleration of density q. Least
+squares on innovations, with q by maximum restricted likelihood, is the generalised least squares solution. A slow ball
+whose driving force is below friction is held and does not accelerate. The sign of friction depends on the velocity,
+which each iteration improves; iterations stop at convergence.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ from harness.signals.ball_state import BallEstimate
 from harness.signals.drive import Drive
 from harness.signals.prescribed import integrate_twice, nodes
 
-# Smoothing rounds the corner where a ball stops, by this much at 0.3 mm of noise. A ball that is slower while friction
-# exceeds its pull stops within 2 mm/s / (K g f) anyway [m/s].
-_SLOW = 2e-3
-_LOG_DENSITIES = (-25.0, 5.0)  # of the white acceleration [log m²/s³]: an ideal angle to one that is useless
-_ROUNDS = 10
-_SETTLED = 0.05  # standard errors
-_DRAWS = 24
-# What rigs can be at all, one standard deviation about the rough rig: K [1], α₀ [rad], ℓ [m], f [1]. It keeps a
-# recording that does not show a quantity from giving any value of it, and leaves its standard error large.
-_POSSIBLE = np.array([0.3, 0.1, 0.3, 0.1])
+# Speed below which a ball is held if friction exceeds the driving force [m/s]: the error of the smoothed velocity where
+# a ball stops, at 0.3 mm of noise. A free ball of this speed would stop within 2 mm/s / (K g f).
+_STOPPING_SPEED = 2e-3
+_LOG_DENSITIES = (-25.0, 5.0)  # search range of q [log m²/s³], from an exact angle to a useless one
+_MAX_ITERATIONS = 10
+_CONVERGED = 0.05  # largest step at convergence, in standard errors
+_DRAWS = 24  # of the beam motion
+# Prior standard deviations about the rough rig: K [1], α₀ [rad], ℓ [m], f [1]. They bound a parameter that is not
+# identifiable from the recordings, and keep its standard error large.
+_PRIOR_STD = np.array([0.3, 0.1, 0.3, 0.1])
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One estimated quantity: value and standard error in `unit`, and what was done."""
+    """One estimated quantity: value and standard error in `unit` (infinite if assumed), and the method."""
 
     name: str
     value: float
@@ -57,13 +57,13 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Observed:
-    """One recording as the estimation sees it.
+    """One recording, prepared for the estimation.
 
     Attributes:
-        motion: the beam.
-        ball: the ball's state relative to a rough rig.
-        position: readings, shape (n,), NaN where not known [m].
-        noise: standard deviation of a reading, rounding included [m].
+        motion: of the beam.
+        ball: smoothed state of the ball, from the rough rig.
+        position: readings, shape (n,), NaN if unknown [m].
+        noise: standard deviation of a reading, quantisation included [m].
     """
 
     motion: Drive
@@ -74,15 +74,15 @@ class Observed:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What was estimated; quantities that were not asked for are the rig's, with zero variance.
+    """Estimates of K, α₀ and ℓ; those that were not requested are the rig's, with zero variance.
 
     Attributes:
         ratio: K [1].
         level: α₀ [rad].
         lever: ℓ [m].
         covariance: of these three in this order, shape (3, 3).
-        friction: f of the rolling friction that was fitted beside [1].
-        friction_std: its standard error.
+        friction: f of the jointly fitted rolling friction [1].
+        friction_std: standard error of f [1].
     """
 
     ratio: float
@@ -100,38 +100,38 @@ class Fitted:
 
 
 def fit_unknown(observed: Sequence[Observed], rig: Rig, *, ratio: bool, level: bool, lever: bool) -> Fitted:
-    """Estimate those of K, α₀, ℓ that are asked for on all recordings together; the others stay as in `rig`.
+    """Estimates the requested ones of K, α₀ and ℓ from all recordings jointly; the others are those of `rig`.
 
-    The covariance is that of generalised least squares, and what the readings of the angle leave open is added
-    (drawn beam motions, `Drive.draw`). Both see the angle's fast errors, so that these count twice; slow ones, such as
-    that of a beam at rest within one count, only the draws know.
+    The covariance is the sum of that of generalised least squares and that due to the angle's uncertainty (drawn beam
+    motions, `Drive.draw`). Fast errors of the angle are in both, hence counted twice; slow ones, such as that of a beam
+    at rest within one count, only in the second.
     """
     free = np.array([ratio, level, lever, True])
     value = np.array([rig.rolling_ratio, rig.level_angle, rig.lever, 0.0])
-    possible = value.copy()
-    records = [_Record(one, rig) for one in observed]
-    for _ in range(_ROUNDS):
+    prior = value.copy()
+    records = [_Linearised(one, rig) for one in observed]
+    for _ in range(_MAX_ITERATIONS):
         for record in records:
             record.linearise(value)
-        density = _likeliest(records, free, possible - value)
-        solution = _solve(records, free, possible - value, density)
+        density = _most_likely_density(records, free, prior - value)
+        solution = _solve(records, free, prior - value, density)
         value = value + solution.change
         for record in records:
-            record.follow(solution.change)
-        if np.all(np.abs(solution.change) <= _SETTLED * np.sqrt(np.diag(solution.covariance))):
+            record.update(solution.change)
+        if np.all(np.abs(solution.change) <= _CONVERGED * np.sqrt(np.diag(solution.covariance))):
             break
-    covariance = solution.covariance + _of_angle(records, free, density)
+    covariance = solution.covariance + _covariance_of_angle(records, free, density)
     ratio_found, level_found, lever_found, friction = map(float, value)
     return Fitted(
         ratio_found, level_found, lever_found, covariance[:3, :3], friction, float(math.sqrt(covariance[3, 3]))
     )
 
 
-class _Record:
-    """One recording, linearised about the present estimate.
+class _Linearised:
+    """One recording, linearised about the current estimate.
 
-    After `linearise`, `signals` holds the error of the position that the estimate predicts and its derivatives with
-    respect to K, α₀, ℓ and f, shape (n, 5) [m, m per unit].
+    After `linearise`, `signals` contains the residual of the position and the derivatives of the predicted position
+    with respect to K, α₀, ℓ and f, shape (n, 5) [m, m per unit].
     """
 
     def __init__(self, one: Observed, rig: Rig) -> None:
@@ -144,52 +144,56 @@ class _Record:
         self.velocity_std = np.sqrt(one.ball.covariance[:, 1, 1])
 
     def linearise(self, value: FloatArray) -> None:
-        """About K, α₀, ℓ, f = `value`, at the ball's present position and velocity."""
+        """Linearises about K, α₀, ℓ, f = `value` at the current estimate of position and velocity."""
         K, level, lever, friction = value
         angle, rate, angular = self.table.T
         s, v, v_std = (np.interp(self.nodes, self.time, x) for x in (self.position, self.velocity, self.velocity_std))
         height = self.rig.eccentricity + self.rig.rolling_radius
         load = self.rig.gravity * np.cos(angle) - 2.0 * v * rate - s * angular - height * rate**2  # N/m
         pull = self.rig.gravity * np.sin(angle + level) + s * rate**2
-        held = (np.abs(v) < np.maximum(3.0 * v_std, _SLOW)) & (np.abs(pull - lever * angular) < friction * load)
+        held = (np.abs(v) < np.maximum(3.0 * v_std, _STOPPING_SPEED)) & (
+            np.abs(pull - lever * angular) < friction * load
+        )
         self.moves = np.where(held, 0.0, 1.0)
-        # erf is the mean of the sign of a velocity that is known to ± v_std
-        against = -load * erf(v / (math.sqrt(2.0) * v_std))
-        self.tilting = K * self.rig.gravity * np.cos(angle + level)
-        self.jolting = K * lever
-        slopes = (pull - lever * angular + friction * against, self.tilting, -K * angular, K * against)
+        # erf is the expected sign of a velocity with standard deviation v_std
+        friction_per_f = -load * erf(v / (math.sqrt(2.0) * v_std))
+        self.angle_gain = K * self.rig.gravity * np.cos(angle + level)
+        self.angular_gain = K * lever
+        slopes = (pull - lever * angular + friction * friction_per_f, self.angle_gain, -K * angular, K * friction_per_f)
         found = np.array([integrate_twice(self.grid, self.moves * slope) for slope in slopes])
         self.run = K * found[0]  # position and velocity, shape (2, n)
         self.slopes = found  # shape (4, 2, n)
         self.signals = np.ascontiguousarray(np.vstack((self.reading - self.run[0], self.slopes[:, 0])).T)
 
-    def follow(self, change: FloatArray) -> None:
-        """Measure the ball anew, relative to the estimate after `change`: corners at stops are then the model's."""
+    def update(self, change: FloatArray) -> None:
+        """Smooths the ball's state again, relative to the updated model, which resolves the corners where it stops."""
         position, velocity = self.run + np.tensordot(change, self.slopes, 1)
         rest = smooth(self.time, self.reading - position, self.variance)
         self.position, self.velocity = position + rest.mean[:, 0], velocity + rest.mean[:, 1]
         self.velocity_std = np.sqrt(rest.covariance[:, 1, 1])
 
-    def pushed(self, seed: int) -> FloatArray:
-        """Displacement of the ball by errors drawn of the angle, shape (n, draws) [m]."""
+    def displacements(self, seed: int) -> FloatArray:
+        """Displacement of the ball by drawn errors of the angle, shape (n, draws) [m]."""
         shifts = []
         for path in self.motion.draw(_DRAWS, seed):
             angle, _, angular = (self.grid.tabulate(path) - self.table).T
-            shifts.append(integrate_twice(self.grid, self.moves * (self.tilting * angle - self.jolting * angular))[0])
+            shifts.append(
+                integrate_twice(self.grid, self.moves * (self.angle_gain * angle - self.angular_gain * angular))[0]
+            )
         return np.array(shifts).T
 
 
 @dataclass(frozen=True)
 class _Solution:
-    """One step: change of (K, α₀, ℓ, f), shape (4,), its covariance (4, 4), and twice the negative log likelihood."""
+    """One Gauss–Newton step: change of (K, α₀, ℓ, f), shape (4,), its covariance (4, 4), and −2 log L."""
 
     change: FloatArray
     covariance: FloatArray
     cost: float
 
 
-def _likeliest(records: Sequence[_Record], free: NDArray[np.bool_], towards: FloatArray) -> float:
-    """Density of the wandering [m²/s³]."""
+def _most_likely_density(records: Sequence[_Linearised], free: NDArray[np.bool_], towards: FloatArray) -> float:
+    """Density q of the white acceleration by maximum restricted likelihood [m²/s³]."""
     found = minimize_scalar(
         lambda log: _solve(records, free, towards, math.exp(log)).cost,
         bounds=_LOG_DENSITIES,
@@ -199,33 +203,33 @@ def _likeliest(records: Sequence[_Record], free: NDArray[np.bool_], towards: Flo
     return math.exp(found.x)
 
 
-def _solve(records: Sequence[_Record], free: NDArray[np.bool_], towards: FloatArray, density: float) -> _Solution:
-    """Generalised least squares; `towards` is the way to what is possible, shape (4,)."""
+def _solve(records: Sequence[_Linearised], free: NDArray[np.bool_], towards: FloatArray, density: float) -> _Solution:
+    """One step of generalised least squares; `towards` is prior mean minus current value, shape (4,)."""
     whitened = [innovations(one.time, one.signals, one.variance, density) for one in records]
     signals = np.concatenate([signals for signals, _ in whitened])
     error, slopes = signals[:, 0], signals[:, 1:][:, free]
-    weight = np.diag(_POSSIBLE[free] ** -2)
+    weight = np.diag(_PRIOR_STD[free] ** -2)
     information = slopes.T @ slopes + weight
     step = np.linalg.solve(information, slopes.T @ error + weight @ towards[free])
     change, covariance = np.zeros(4), np.zeros((4, 4))
     change[free] = step
     covariance[np.ix_(free, free)] = np.linalg.inv(information)
-    # The restricted likelihood (Patterson and Thompson, 1971): fitted parameters take their share of the innovations.
+    # Restricted likelihood (Patterson and Thompson, 1971), which accounts for the fitted parameters.
     off = towards[free] - step
     cost = np.sum((error - slopes @ step) ** 2) + off @ weight @ off + np.linalg.slogdet(information)[1]
     return _Solution(change, covariance, float(cost) + sum(log for _, log in whitened))
 
 
-def _of_angle(records: Sequence[_Record], free: NDArray[np.bool_], density: float) -> FloatArray:
-    """Covariance of the estimate, shape (4, 4), from what the readings of the angle leave open."""
-    slopes, pushes = [], []
+def _covariance_of_angle(records: Sequence[_Linearised], free: NDArray[np.bool_], density: float) -> FloatArray:
+    """Covariance of the estimate due to the uncertainty of the angle, shape (4, 4)."""
+    slopes, displacements = [], []
     for seed, one in enumerate(records):
-        both = np.ascontiguousarray(np.column_stack((one.signals[:, 1:][:, free], one.pushed(seed))))
+        both = np.ascontiguousarray(np.column_stack((one.signals[:, 1:][:, free], one.displacements(seed))))
         both, _ = innovations(one.time, both, one.variance, density)
         slopes.append(both[:, : free.sum()])
-        pushes.append(both[:, free.sum() :])
+        displacements.append(both[:, free.sum() :])
     J = np.concatenate(slopes)
-    moved = np.linalg.solve(J.T @ J + np.diag(_POSSIBLE[free] ** -2), J.T @ np.concatenate(pushes))
+    shifts = np.linalg.solve(J.T @ J + np.diag(_PRIOR_STD[free] ** -2), J.T @ np.concatenate(displacements))
     covariance = np.zeros((4, 4))
-    covariance[np.ix_(free, free)] = moved @ moved.T / _DRAWS
+    covariance[np.ix_(free, free)] = shifts @ shifts.T / _DRAWS
     return covariance

@@ -1,9 +1,9 @@
-"""Innovations: what makes errors independent that a ball's wandering velocity has correlated.
+"""Whitening of position residuals by the Kalman filter of a double integrator with white acceleration noise.
 
-A ball whose acceleration carries white noise of density q (what an angle's error and a model's defects push it with)
-has a velocity that wanders, and position errors that grow and are correlated. The Kalman filter of this two-state
-process turns any signal on the same stamps into innovations of unit variance; least squares on innovations is the
-generalised least squares of the signal itself (Harvey, "Forecasting, Structural Time Series Models …", 1989, §3.4).
+White acceleration noise of density q, caused by errors of the angle and of the model, makes the velocity a random walk
+and position errors correlated. The Kalman filter of this two-state process transforms any signal on the same stamps to
+innovations of unit variance; least squares on innovations is generalised least squares on the signal (Harvey,
+"Forecasting, Structural Time Series Models …", 1989, §3.4).
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ import numpy as np
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
-_DIFFUSE = 1e4  # prior variance of start position [m²] and velocity [m²/s²]: the start is free
+_DIFFUSE = 1e4  # diffuse prior variance of initial position [m²] and velocity [m²/s²]
 
 
 @njit(cache=True)
 def innovations(
     time: FloatArray, signals: FloatArray, variance: FloatArray, density: float
 ) -> tuple[FloatArray, float]:
-    """Whiten `signals`, all with the same filter.
+    """Innovations of `signals`, all with the same filter.
 
     Args:
         time: stamps, shape (n,), increasing [s].
-        signals: one a column, shape (n, k) [m].
-        variance: of a reading, shape (n,); infinite where there is none [m²].
+        signals: one per column, shape (n, k) [m].
+        variance: of a reading, shape (n,); infinite if there is none [m²].
         density: q of the white acceleration [m²/s³].
 
     Returns:
-        Innovations over their standard deviations, shape (n, k), 0 where there is no reading and at the first two,
-        which the free start takes; and the sum of their log variances.
+        Innovations over their standard deviations, shape (n, k), 0 without a reading and at the first two readings,
+        which determine the initial state; and the sum of the log innovation variances.
     """
     n, k = signals.shape
     position, velocity = np.zeros(k), np.zeros(k)

@@ -8,7 +8,7 @@ from pathlib import Path
 from analytic.naming import did_you_mean
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.recording.findings import Finding, quoted
+from harness.recording.findings import DataFinding, quoted
 from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_of
 from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
@@ -18,27 +18,27 @@ BUNDLED = Path(__file__).parents[1] / "data" / "paper_protocol"
 """The case that ships with the package: simulated, the paper's protocol."""
 RIG_FILE = "rig.toml"
 EXAMPLE = '[recordings] identify = ["rec_01.csv"]'
-PAPER_TEXT = "no rig.toml; the rig of the paper is assumed. Write one to declare another rig, its sensors and effects."
-
-
-BESIDE_TEXT = "the rig.toml beside it is not used, the rig of the paper is assumed. Name the folder to use it."
+NO_RIG_FILE = (
+    "no rig.toml; the rig of the paper is assumed. Add a rig.toml to describe another rig, its sensors and effects."
+)
+RIG_FILE_NOT_USED = "rig.toml beside it is ignored and the rig of the paper is assumed. Pass the folder to use it."
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """What a user hands in, checked.
+    """The user's input, validated.
 
     Attributes:
-        path: the folder or file as given.
-        origin: where the data come from, in words (`simulated …`); `None` when the rig file does not say.
+        path: the folder or file passed by the user.
+        origin: free text on where the data come from (`simulated …`); `None` if the rig file has none.
         rig: what is known of the rig.
         sensors: what is known of the sensors.
-        declared: effects known to act.
-        recordings: by name as listed; those to identify from first.
-        identify: names of the recordings to identify from.
+        declared: declared effects, known to be present.
+        recordings: by name as listed; recordings for identification come first.
+        identify: names of the recordings for identification.
         predict: names of the recordings to predict.
-        findings: of the rig file and of all recordings.
-        sha256: of the rig file; `None` when there is none.
+        findings: warnings and notes on the rig file and on all recordings.
+        sha256: of the rig file; `None` if there is none.
     """
 
     path: Path
@@ -49,7 +49,7 @@ class Case:
     recordings: dict[str, Recording]
     identify: tuple[str, ...]
     predict: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[DataFinding, ...]
     sha256: str | None
 
 
@@ -57,7 +57,7 @@ def load_case(path: str | Path) -> Case:
     """Reads a case: a folder, its `rig.toml`, or a single CSV recording.
 
     Raises:
-        InputError: anything in it cannot be used; nothing is returned in part.
+        InputError: any part of the case is invalid.
     """
     path = Path(path)
     if not path.exists():
@@ -67,16 +67,16 @@ def load_case(path: str | Path) -> Case:
     if path.is_dir():
         if (path / RIG_FILE).exists():
             return _with_rig_file(path, path / RIG_FILE)
-        return _of_paper(path, [path / name for name in _csv_names(path)])
+        return _with_paper_rig(path, [path / name for name in _csv_names(path)])
     if path.suffix.lower() == ".toml":
         return _with_rig_file(path, path)
-    return _of_paper(path, [path])
+    return _with_paper_rig(path, [path])
 
 
 def _with_rig_file(path: Path, file: Path) -> Case:
     content = read_rig_file(file)
     folder = file.parent
-    identify, predict, findings = _lists(file, content)
+    identify, predict, findings = _recording_lists(file, content)
     recordings: dict[str, Recording] = {}
     for name in dict.fromkeys((*identify, *predict)):
         try:
@@ -84,8 +84,8 @@ def _with_rig_file(path: Path, file: Path) -> Case:
         except InputError as error:
             if content.identify is not None:
                 raise
-            raise InputError(f"{error} If it is no recording, list those that are in {file}: {EXAMPLE}.") from None
-    findings += [*_same_twice(recordings, (*identify, *predict), file.name), *_without_positions(recordings, identify)]
+            raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
+    findings += [*_duplicates(recordings, (*identify, *predict), file.name), *_without_positions(recordings, identify)]
     return Case(
         path=path,
         origin=content.origin,
@@ -100,16 +100,16 @@ def _with_rig_file(path: Path, file: Path) -> Case:
     )
 
 
-def _of_paper(path: Path, files: list[Path]) -> Case:
+def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     rig = known_rig_of(Rig())
     recordings = {file.name: load_recording(file, rig=rig) for file in files}
     where = path.resolve().name  # "." has no name of its own
     beside = path.is_file() and (path.parent / RIG_FILE).exists()
     findings = [
-        Finding("warning", where, BESIDE_TEXT)
+        DataFinding("warning", where, RIG_FILE_NOT_USED)
         if beside
-        else Finding("warning" if path.is_dir() else "note", where, PAPER_TEXT),
-        *_same_twice(recordings, tuple(recordings), where),
+        else DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE),
+        *_duplicates(recordings, tuple(recordings), where),
     ]
     identify = tuple(recordings)
     sensors = Sensors(
@@ -130,27 +130,27 @@ def _of_paper(path: Path, files: list[Path]) -> Case:
 
 
 def _coarsest(recordings: dict[str, Recording], channel: str) -> float | None:
-    """One sensor made all recordings: the coarsest step seen is safe for each."""
+    """Largest inferred resolution over the recordings, which share one sensor: never too fine for any of them."""
     seen = (inferred_resolution(getattr(recording, channel)) for recording in recordings.values())
     return max((step for step in seen if step is not None), default=None)
 
 
-def _lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tuple[str, ...], list[Finding]]:
+def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tuple[str, ...], list[DataFinding]]:
     folder = file.parent
     if content.identify is None or content.predict is None:
         names = tuple(_csv_names(folder))
-        text = f"no table [recordings]; all recordings of the folder are used to identify: {', '.join(names)}."
-        return names, (), [Finding("note", file.name, text)]
+        text = f"no table [recordings]; all recordings of the folder are used for identification: {', '.join(names)}."
+        return names, (), [DataFinding("note", file.name, text)]
     listed = (*content.identify, *content.predict)
     if not listed:
-        raise InputError(f"{file}: [recordings] lists no recording. Write identify = [{quoted(_csv_names(folder))}].")
+        raise InputError(f"{file}: [recordings] is empty. Write identify = [{quoted(_csv_names(folder))}].")
     missing = [name for name in listed if not (folder / name).is_file()]
     if missing:
         present = _csv_names(folder)
         hint = did_you_mean(missing[0], present)
         raise InputError(
-            f"{file}: [recordings] lists {quoted(missing)}, which {folder} does not hold.{hint} "
-            f"It holds {quoted(present)}. Correct the list or add the file."
+            f"{file}: [recordings] lists {quoted(missing)}, not found in {folder}.{hint} "
+            f"The folder contains {quoted(present)}. Correct the list or add the file."
         )
     for key, names in (("identify", content.identify), ("predict", content.predict)):
         twice = sorted({name for name in names if names.count(name) > 1})
@@ -162,33 +162,35 @@ def _lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tuple[str, ..
 def _csv_names(folder: Path) -> list[str]:
     names = sorted(entry.name for entry in folder.iterdir() if entry.suffix.lower() == ".csv" and entry.is_file())
     if not names:
-        raise InputError(f"{folder}: holds no CSV recording. Put recordings there, or name another folder.")
+        raise InputError(f"{folder}: contains no CSV recording. Put recordings there, or pass another folder.")
     return names
 
 
-def _same_twice(recordings: dict[str, Recording], listed: tuple[str, ...], where: str) -> list[Finding]:
+def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where: str) -> list[DataFinding]:
     first: dict[str, str] = {}
     findings = []
     for name in listed:
         sha256 = recordings[name].sha256
         if sha256 in first:
             same = "is listed twice" if first[sha256] == name else f"and {first[sha256]} are the same file"
-            text = f"{name} {same}; count a recording once and do not predict what was identified from."
-            findings.append(Finding("warning", where, text))
+            text = f"{name} {same}; use each recording once, and do not predict a recording used for identification."
+            findings.append(DataFinding("warning", where, text))
         first.setdefault(sha256, name)
     return findings
 
 
-def _without_positions(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[Finding]:
+def _without_positions(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
     return [
-        Finding("warning", recordings[name].name, "holds no ball positions: nothing can be identified from it.")
+        DataFinding(
+            "warning", recordings[name].name, "contains no ball positions; it cannot be used for identification."
+        )
         for name in identify
         if not recordings[name].known.any()
     ]
 
 
-def _all_findings(recordings: dict[str, Recording]) -> list[Finding]:
-    """Of every recording, the place given by the name it is listed under."""
+def _all_findings(recordings: dict[str, Recording]) -> list[DataFinding]:
+    """Findings of every recording, located by the name under which the recording is listed."""
     return [
         replace(finding, where=name + finding.where.removeprefix(recording.name))
         for name, recording in recordings.items()

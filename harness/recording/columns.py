@@ -1,4 +1,4 @@
-"""Which column holds which quantity, and in which unit: names, aliases, conversion to SI."""
+"""Maps CSV columns to quantities: column names, aliases, units and conversion to SI."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Literal
 
 from analytic.naming import did_you_mean
 from harness.errors import InputError
-from harness.recording.findings import Finding, place, quoted
+from harness.recording.findings import DataFinding, place, quoted
 
 QuantityName = Literal["time", "angle", "position", "velocity"]
 
@@ -24,10 +24,10 @@ class Quantity:
     """A recorded quantity.
 
     Attributes:
-        column: the name its column should have.
-        name: that name without the unit.
-        others: further names that are understood, without separators.
-        units: factor to the SI unit, by unit; the SI unit comes first.
+        column: standard column name.
+        name: the standard name without its unit.
+        others: accepted aliases, without separators.
+        units: conversion factor to SI by unit; the SI unit comes first.
     """
 
     column: str
@@ -37,7 +37,7 @@ class Quantity:
 
     @property
     def si(self) -> str:
-        """The SI unit as written in a column name."""
+        """The SI unit as spelled in a column name."""
         return next(iter(self.units))
 
 
@@ -48,7 +48,7 @@ QUANTITIES: Mapping[QuantityName, Quantity] = {
         ("t", "timestamp", "elapsed", "elapsedtime"),
         {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
     ),
-    # θ is left out on purpose: on many rigs it is the servo's angle, not the beam's.
+    # θ is not an alias: on many rigs it is the servo angle, not the beam angle.
     "angle": Quantity(
         "beam_angle_rad",
         "beam_angle",
@@ -72,7 +72,7 @@ QUANTITIES: Mapping[QuantityName, Quantity] = {
 
 @dataclass(frozen=True)
 class Column:
-    """Where a quantity stands: column index, name as written, factor to the SI unit."""
+    """A column assigned to a quantity: its index, its header as written, its conversion factor to SI."""
 
     index: int
     header: str
@@ -80,8 +80,8 @@ class Column:
 
 
 @dataclass(frozen=True)
-class _Reading:
-    """A column name understood as a quantity; `rank` 0 is the name of the contract, 1 another unit, 2 another name."""
+class _Match:
+    """A column whose header matches a quantity; `rank` 0: standard name, 1: another unit, 2: an alias."""
 
     rank: int
     unit: str | None
@@ -90,53 +90,53 @@ class _Reading:
 
 def find_columns(
     path: Path, header: Sequence[str], header_row: int
-) -> tuple[dict[QuantityName, Column], list[Finding]]:
-    """Finds time and angle, and position and velocity if there are any, in a header.
+) -> tuple[dict[QuantityName, Column], list[DataFinding]]:
+    """Finds the columns of time and angle, and of position and velocity if present.
 
-    Letter case, blanks and brackets do not matter: `Beam Angle [deg]` is `beam_angle_deg`.
+    Letter case, blanks and brackets are ignored: `Beam Angle [deg]` is `beam_angle_deg`.
 
     Returns:
-        The columns by quantity, and notes on what was assumed or not used.
+        The columns by quantity, and notes on assumed units and unused columns.
 
     Raises:
-        InputError: a needed column is missing or ambiguous, has an unknown unit, or seems misspelt.
+        InputError: a required column is missing or ambiguous, has an unknown unit, or is probably misspelt.
     """
     where = place(path, header_row)
     repeated = sorted({name for name in header if name and header.count(name) > 1})
     if repeated:
         raise InputError(f"{where}: column {quoted(repeated)} occurs more than once. Rename or delete one of them.")
     found: dict[QuantityName, Column] = {}
-    findings: list[Finding] = []
-    note = place(path.name, header_row)
+    findings: list[DataFinding] = []
+    header_place = place(path.name, header_row)
     for name, quantity in QUANTITIES.items():
-        readings = [reading for index in range(len(header)) if (reading := _read(quantity, header[index], index))]
-        if not readings:
+        matches = [match for index in range(len(header)) if (match := _match(quantity, header[index], index))]
+        if not matches:
             continue
-        best = min(reading.rank for reading in readings)
-        chosen = [reading for reading in readings if reading.rank == best]
+        best = min(match.rank for match in matches)
+        chosen = [match for match in matches if match.rank == best]
         if len(chosen) > 1:
-            names = quoted([reading.column.header for reading in chosen])
+            names = quoted([match.column.header for match in chosen])
             raise InputError(
-                f"{where}: {names} could each be the {name}. Name the one that is meant {quantity.column} "
-                "and rename or delete the rest."
+                f"{where}: {names} all match the {name}. Name the right one {quantity.column} "
+                "and rename or delete the others."
             )
         found[name] = chosen[0].column
         if chosen[0].unit is None:
             findings.append(
-                Finding(
+                DataFinding(
                     "note",
                     place(path.name, header_row, chosen[0].column.header),
-                    f"has no unit and is taken for {quantity.column}; write the unit into the name.",
+                    f"has no unit and is read as {quantity.column}; add the unit to the name.",
                 )
             )
     unused = [name for index, name in enumerate(header) if index not in {column.index for column in found.values()}]
     _refuse_missing(where, header, unused, found)
     if unused:
-        findings.append(Finding("note", note, f"columns not used: {quoted(unused)}."))
+        findings.append(DataFinding("note", header_place, f"columns not used: {quoted(unused)}."))
     return found, findings
 
 
-def _read(quantity: Quantity, header: str, index: int) -> _Reading | None:
+def _match(quantity: Quantity, header: str, index: int) -> _Match | None:
     words = _words(header)
     names = (quantity.name.replace("_", ""), *quantity.others)
     for taken in (2, 1, 0):
@@ -145,8 +145,8 @@ def _read(quantity: Quantity, header: str, index: int) -> _Reading | None:
             continue
         column = Column(index, header, quantity.units[unit] if taken else 1.0)
         if name != names[0]:
-            return _Reading(2, unit or None, column)
-        return _Reading(0 if unit == quantity.si else 1, unit or None, column)
+            return _Match(2, unit or None, column)
+        return _Match(0 if unit == quantity.si else 1, unit or None, column)
     return None
 
 
@@ -167,24 +167,24 @@ def _refuse_missing(
     missing = [QUANTITIES[name].column for name in NEEDED if name not in found]
     if missing:
         raise InputError(
-            f"{where}: no column {quoted(missing)}; found {quoted(header)}. Expected are time_s, beam_angle_rad and "
-            "ball_position_m (ball_velocity_m_s is optional), or the same names with another unit such as "
-            "time_ms, beam_angle_deg, ball_position_mm. Rename the columns."
+            f"{where}: no column {quoted(missing)}; found {quoted(header)}. Expected columns are time_s, "
+            "beam_angle_rad and ball_position_m (ball_velocity_m_s is optional), or the same names with another unit, "
+            "such as time_ms, beam_angle_deg, ball_position_mm. Rename the columns."
         )
 
 
 def _refuse_near_miss(where: str, candidate: str, name: QuantityName) -> None:
-    """A column that was meant to be `name` must not be left out in silence, as position and velocity are optional."""
+    """Refuses a header that resembles `name`: an optional column must not be dropped because of a typing error."""
     quantity = QUANTITIES[name]
     names = (quantity.name.replace("_", ""), *(quantity.others if name != "velocity" else ()))
     words = _words(candidate)
     for cut in range(1, len(words)):
         if "".join(words[:cut]) in names:
             raise InputError(
-                f"{where}: column '{candidate}': the unit '{'_'.join(words[cut:])}' is not known for the {name}. "
-                f"Known are {', '.join(quantity.units)}."
+                f"{where}: column '{candidate}': unknown unit '{'_'.join(words[cut:])}' for the {name}. "
+                f"Known units: {', '.join(quantity.units)}."
             )
     known = [f"{quantity.name}_{unit}" for unit in quantity.units]
     hint = did_you_mean("_".join(words), known, likeness=0.8)
     if hint:
-        raise InputError(f"{where}: column '{candidate}' is not known.{hint}")
+        raise InputError(f"{where}: unknown column '{candidate}'.{hint}")

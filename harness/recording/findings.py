@@ -1,4 +1,4 @@
-"""What is said about data that could be read: where it stands, what is odd, what to do."""
+"""Warnings and notes on input that was read successfully."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-SHOWN = 5  # places named in one message; more would hide the message itself
+MAX_PLACES = 5  # rows named in one message
 
 
 @dataclass(frozen=True)
-class Finding:
-    """Something the reader of a result has to know about its input.
+class DataFinding:
+    """A warning or note on the input, shown with every result.
 
     Attributes:
-        severity: `warning` when a result may be wrong because of it, `note` when it only has to be known.
-        where: file, and row and column where they apply.
-        text: what was found and what to do about it.
+        severity: `warning` if it may make a result wrong, else `note`.
+        where: file, with row and column if they apply.
+        text: what was found, and the remedy.
     """
 
     severity: Literal["warning", "note"]
@@ -25,7 +25,7 @@ class Finding:
 
 
 def place(file: object, row: int | None = None, column: str | None = None) -> str:
-    """`file, row 12, column 'time_s'` with the parts that are known."""
+    """`file, row 12, column 'time_s'` ; row and column are optional."""
     parts = [str(file)]
     if row is not None:
         parts.append(f"row {row}")
@@ -35,7 +35,7 @@ def place(file: object, row: int | None = None, column: str | None = None) -> st
 
 
 def rows_text(rows: Iterable[int]) -> str:
-    """`row 5`, `rows 5-7, 9` … of ascending row numbers, shortened after a few places."""
+    """`row 5`, `rows 5-7, 9` … from ascending row numbers, abbreviated after `MAX_PLACES` runs."""
     runs: list[list[int]] = []
     numbers = [int(row) for row in rows]
     for row in numbers:
@@ -43,8 +43,8 @@ def rows_text(rows: Iterable[int]) -> str:
             runs[-1][1:] = [row]
         else:
             runs.append([row])
-    shown = [f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs[:SHOWN]]
-    more = f" and {len(runs) - SHOWN} more places" if len(runs) > SHOWN else ""
+    shown = [f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs[:MAX_PLACES]]
+    more = f" and {len(runs) - MAX_PLACES} more places" if len(runs) > MAX_PLACES else ""
     return f"row{'s' if len(numbers) > 1 else ''} {', '.join(shown)}{more}"
 
 

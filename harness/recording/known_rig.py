@@ -1,4 +1,4 @@
-"""What a rig file may say about the rig and its sensors; what it does not say is unknown, not assumed."""
+"""The quantities of rig and sensors that the rig file gives; all others are unknown (`None`)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from analytic.rig import Rig, RigError
 from harness.errors import InputError
 
 NEEDED = ("mass", "inertia", "radius", "rolling_radius", "eccentricity", "gravity")
-"""Quantities without which no model runs. The level angle is not among them: 0 says "as recorded"."""
+"""Quantities every model needs. The level angle is not required: it defaults to 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
-    """What is declared about the sensors; `None` is unknown.
+    """Declared sensor properties; `None` is unknown.
 
     Attributes:
         angle_resolution: step of the angle [rad].
@@ -30,7 +30,7 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Declared:
-    """An effect that is known to act: its name in the catalogue and its parameters, SI units."""
+    """A declared effect, known to be present: its name in the catalogue and its parameters in SI units."""
 
     name: str
     parameters: dict[str, float]
@@ -38,7 +38,7 @@ class Declared:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownRig:
-    """A rig of which parts may be unknown (`None`); quantities as in `analytic.rig.Rig`.
+    """A partly known rig; an unknown quantity is `None`. Quantities as in `analytic.rig.Rig`.
 
     Attributes:
         mass: m [kg].
@@ -48,10 +48,10 @@ class KnownRig:
         eccentricity: h [m].
         gravity: g [m/s²].
         level_angle: α₀ [rad].
-        length: of the beam [m].
+        length: beam length [m].
 
     Raises:
-        RigError: what is known cannot be true together.
+        RigError: the known quantities contradict each other.
     """
 
     mass: float | None = None
@@ -65,7 +65,7 @@ class KnownRig:
 
     def __post_init__(self) -> None:
         known = self._known
-        # Rig checks the quantities together; an unknown one must not spoil the check of the others.
+        # Rig checks R and r together; if one is unknown it is set equal to the other so that the rest is still checked.
         if (self.radius is None) != (self.rolling_radius is None):
             known["radius"] = known["rolling_radius"] = known.get("radius", known.get("rolling_radius", 0.0))
         Rig(**known)
@@ -75,7 +75,7 @@ class KnownRig:
             ratio = self.inertia / (self.mass * self.radius**2)
             if ratio > 1.0:
                 raise RigError(
-                    f"inertia is {ratio:.3g} m R²; no body within the radius R exceeds 1 m R² (a solid ball has 0.4)"
+                    f"inertia is {ratio:.3g} m R²; no body of radius R exceeds 1 m R² (a solid ball has 0.4)"
                 )
 
     @property
@@ -84,32 +84,32 @@ class KnownRig:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """Names of the quantities a model needs that are not known here."""
+        """Names of the required quantities that are unknown."""
         return tuple(name for name in NEEDED if getattr(self, name) is None)
 
     def complete(self, **estimates: float) -> Rig:
-        """A full rig: what is known here, and `estimates` for what is not; what is known wins.
+        """A complete rig from the known quantities and, for the unknown ones, `estimates`.
 
         Args:
-            estimates: any quantity of `Rig` by name; a level angle that is neither known nor estimated is 0.
+            estimates: quantities of `Rig` by name; ignored where the quantity is known. An unknown level angle is 0.
 
         Raises:
-            InputError: quantities are still missing, or an estimate makes a rig that cannot exist.
-            TypeError: an estimate names no quantity of `Rig`.
+            InputError: quantities are still missing, or the completed rig is physically impossible.
+            TypeError: an estimate is not a quantity of `Rig`.
         """
-        strange = sorted(set(estimates) - {field.name for field in fields(Rig)})
-        if strange:
-            raise TypeError(f"no quantity of Rig: {', '.join(strange)}")
+        unexpected = sorted(set(estimates) - {field.name for field in fields(Rig)})
+        if unexpected:
+            raise TypeError(f"not a quantity of Rig: {', '.join(unexpected)}")
         values = {**estimates, **self._known}
         missing = [name for name in NEEDED if name not in values]
         if missing:
-            raise InputError(f"the rig's {', '.join(missing)} must be known here. Write what is missing into rig.toml.")
+            raise InputError(f"the rig's {', '.join(missing)} must be known here. Add what is missing to rig.toml.")
         try:
             return Rig(**values)
         except RigError as error:
-            raise InputError(f"the rig completed with estimates cannot exist: {error}.") from error
+            raise InputError(f"the rig completed with estimates is impossible: {error}.") from error
 
 
 def known_rig_of(rig: Rig) -> KnownRig:
-    """Everything of a full rig but the level angle, which only a measurement can know."""
+    """All quantities of a complete rig except the level angle, which has to be measured."""
     return KnownRig(**{name: getattr(rig, name) for name in NEEDED})

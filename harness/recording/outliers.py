@@ -1,4 +1,4 @@
-"""Spikes in a position record: single samples, or short bursts, that no rolling ball can have caused."""
+"""Detection of spikes in a position signal: samples or short bursts that a rolling ball cannot produce."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ from scipy.ndimage import median_filter
 
 from analytic.motion import FloatArray
 
-WINDOW = 11  # samples a line is laid through; up to four of them may be spikes
-HALF_SPAN = 0.03  # aimed at, so that the ball's path is straight within the window [s]
+WINDOW = 11  # samples per line fit, of which up to four may be spikes
+HALF_SPAN = 0.03  # target half duration of a window, short enough for the path to be straight [s]
 THRESHOLD = 6.0  # in robust standard deviations: one false alarm in 5e8 normal samples
-SCALE_WINDOW = 101  # samples over which the noise is taken for constant (a laser's grows with distance)
+SCALE_WINDOW = 101  # samples over which the noise is assumed constant (a laser's grows with distance)
 MAD_TO_SIGMA = 1.4826
 CHUNK = 50_000
 
 
 def spikes(time: FloatArray, position: FloatArray, *, resolution: float, acceleration: float) -> NDArray[np.bool_]:
-    """Marks positions that stand out from robust lines through their neighbours before, around and after.
+    """Marks positions far from robust lines fitted to the samples before, around and after them.
 
-    All three lines have to be missed: a kink (the ball at a stop) and a step that stays lie on one of them. It is
-    a Hampel identifier with lines (Theil-Sen) for medians, so that a moving ball and the record's ends do no harm.
+    A spike has to be far from all three lines: a kink (the ball at an end stop) and a lasting step lie on one of them.
+    This is a Hampel identifier with Theil-Sen lines instead of medians, which also works for a moving ball and at the
+    ends of the recording.
 
     Args:
         time: strictly increasing, shape (n,) [s].
-        position: shape (n,) [m]; NaN where not known.
-        resolution: step of the sensor [m], 0 if not known.
-        acceleration: largest magnitude the ball may have [m/s²].
+        position: shape (n,) [m]; NaN if unknown.
+        resolution: of the sensor [m], 0 if unknown.
+        acceleration: largest possible acceleration of the ball [m/s²].
 
     Returns:
-        Mask of shape (n,), false where the position is not known.
+        Mask of shape (n,), false where the position is unknown.
     """
     mask = np.zeros(len(time), dtype=np.bool_)
     known = np.flatnonzero(np.isfinite(position))
@@ -56,16 +57,16 @@ def _spikes_of_part(
     after = np.abs(_residual(time, position, 0, stride))
     local = median_filter(around, size=min(SCALE_WINDOW, len(around)), mode="mirror")
     scale = MAD_TO_SIGMA * np.maximum(local, np.median(around))
-    # The path bends by at most a T²/2 within half a window; that is no spike.
+    # The path deviates from a line by at most a T²/2 within half a window.
     bend = 0.5 * acceleration * (half * stride * step) ** 2
     threshold = THRESHOLD * scale + 2 * resolution + bend
-    # The lines before and after only veto kinks and steps; half the threshold is enough to miss them, three sigma.
+    # The lines before and after only exclude kinks and steps, for which half the threshold (three sigma) is enough.
     spike: NDArray[np.bool_] = (around > threshold) & (np.minimum(before, after) > 0.5 * threshold)
     return spike
 
 
 def _residual(time: FloatArray, position: FloatArray, first: int, stride: int) -> FloatArray:
-    """Distance of each sample from the line through `WINDOW` samples that begin `first * stride` after it."""
+    """Distance of each sample from the line through `WINDOW` samples starting `first * stride` samples from it."""
     count = len(time)
     residual = np.empty(count)
     left, right = np.triu_indices(WINDOW, 1)

@@ -1,4 +1,4 @@
-"""One recording: checked arrays from one CSV file, or one clear error."""
+"""One recording: validated arrays read from one CSV file."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.recording.columns import QuantityName, find_columns
-from harness.recording.findings import Finding, place, rows_text
+from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
+from harness.recording.plausibility import Signals, implausible
 from harness.recording.resolution import inferred_resolution
 from harness.recording.sampling import (
     bridge_angle,
@@ -22,26 +23,25 @@ from harness.recording.sampling import (
     sampling_findings,
 )
 from harness.recording.source import read_source
-from harness.recording.suspicions import Suspect, suspicions
 from harness.recording.table import numbers_of, read_table
 
-BEAM_ACCELERATION = 10.0  # g / 1 m: beyond it a ball one metre from the pivot lifts off [rad/s²]
-STANDARD_GRAVITY = 9.81  # where the rig does not know its own; suspicions need no more digits [m/s²]
+BEAM_ACCELERATION = 10.0  # g / 1 m: above it a ball one metre from the pivot lifts off [rad/s²]
+STANDARD_GRAVITY = 9.81  # for the plausibility checks if the rig's gravity is unknown [m/s²]
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What was measured, in SI units; arrays are read-only and of shape (n,).
+    """A recording in SI units; arrays are read-only and of shape (n,).
 
     Attributes:
         name: file name.
         path: of the file.
         time: strictly increasing [s].
         angle: α, free of NaN [rad].
-        position: s, NaN where not known; spikes are still in it [m].
-        velocity: ṡ, NaN where not known; `None` when it was not recorded [m/s].
+        position: s, NaN if unknown; outliers are kept [m].
+        velocity: ṡ, NaN if unknown; `None` if it was not recorded [m/s].
         outlier: true where the position is a spike.
-        findings: what the reader of a result has to know.
+        findings: warnings and notes on the data.
         sha256: of the file's bytes.
     """
 
@@ -52,7 +52,7 @@ class Recording:
     position: FloatArray
     velocity: FloatArray | None
     outlier: NDArray[np.bool_]
-    findings: tuple[Finding, ...]
+    findings: tuple[DataFinding, ...]
     sha256: str
 
     @property
@@ -66,11 +66,11 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
 
     Args:
         path: the file; columns as in `harness.recording.columns`.
-        rig: what is known of the rig; its gravity and length sharpen the suspicions.
-        sensors: their declared resolutions are compared with the steps seen.
+        rig: known quantities; gravity and beam length are used by the plausibility checks.
+        sensors: declared resolutions, compared with those inferred from the data.
 
     Raises:
-        InputError: it cannot be used; the message names file, row and column, and says what to do.
+        InputError: the file is invalid; the message names file, row and column, and the remedy.
     """
     path = Path(path)
     source = read_source(path)
@@ -92,12 +92,12 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     rig, sensors = rig or KnownRig(), sensors or Sensors()
     gravity = rig.gravity or STANDARD_GRAVITY
     resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
-    steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level and track may add a degree
+    steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level error and track slope may add a degree
     outlier = spikes(time, position, resolution=resolution, acceleration=gravity * steepest)
     findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
     if "position" in columns:
         findings += _position_findings(path, columns["position"].header, position, outlier, rows)
-    suspect = Suspect(
+    signals = Signals(
         time=time,
         angle=angle,
         position=position,
@@ -107,7 +107,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
         angle_resolution=sensors.angle_resolution,
         position_resolution=sensors.position_resolution,
     )
-    findings += [Finding("warning", path.name, text) for text in suspicions(suspect)]
+    findings += [DataFinding("warning", path.name, text) for text in implausible(signals)]
     for array in (time, angle, position, outlier, *([] if velocity is None else [velocity])):
         array.setflags(write=False)
     return Recording(path.name, path, time, angle, position, velocity, outlier, tuple(findings), source.sha256)
@@ -115,33 +115,33 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
 
 def _angle_findings(
     path: Path, column: str, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp]
-) -> list[Finding]:
+) -> list[DataFinding]:
     spike = spikes(time, angle, resolution=inferred_resolution(angle) or 0.0, acceleration=BEAM_ACCELERATION)
     if not spike.any():
         return []
     text = (
-        f"{int(spike.sum())} of {len(angle)} angles stand out from their neighbours ({rows_text(rows[spike])}). Models "
-        "are driven by them as they are; leave these cells blank to have them bridged."
+        f"{int(spike.sum())} of {len(angle)} angles are outliers ({rows_text(rows[spike])}). They "
+        "are used unchanged to drive the models; leave these cells blank to have them interpolated."
     )
-    return [Finding("warning", place(path.name, column=column), text)]
+    return [DataFinding("warning", place(path.name, column=column), text)]
 
 
 def _position_findings(
     path: Path, column: str, position: FloatArray, outlier: NDArray[np.bool_], rows: NDArray[np.intp]
-) -> list[Finding]:
+) -> list[DataFinding]:
     where = place(path.name, column=column)
-    findings: list[Finding] = []
+    findings: list[DataFinding] = []
     known = np.isfinite(position)
     if not known.all():
-        text = f"not known in {int((~known).sum())} of {len(known)} rows ({rows_text(rows[~known])})."
-        findings.append(Finding("note", where, text))
+        text = f"unknown in {int((~known).sum())} of {len(known)} rows ({rows_text(rows[~known])})."
+        findings.append(DataFinding("note", where, text))
     if outlier.any():
         findings.append(
-            Finding(
+            DataFinding(
                 "warning",
                 where,
-                f"{int(outlier.sum())} of {int(known.sum())} positions stand out from their neighbours "
-                f"({rows_text(rows[outlier])}). They are kept and marked as outliers; check the sensor.",
+                f"{int(outlier.sum())} of {int(known.sum())} positions are outliers "
+                f"({rows_text(rows[outlier])}). They are kept but excluded from metrics and fits; check the sensor.",
             )
         )
     return findings

@@ -1,4 +1,4 @@
-"""`rig.toml`: what a user writes about a rig, checked key by key and translated to quantities of the house."""
+"""Reads `rig.toml`: schema, validation with remedies, conversion to `KnownRig`, `Sensors` and `Declared`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from analytic.naming import did_you_mean
 from analytic.rig import RigError
 from harness.errors import InputError
-from harness.recording.findings import Finding
+from harness.recording.findings import DataFinding
 from harness.recording.known_rig import Declared, KnownRig, Sensors
 from harness.recording.source import read_source
 
@@ -86,12 +86,12 @@ class RigFile:
     """The content of a `rig.toml`.
 
     Attributes:
-        origin: where the data come from, in words; `None` when the file does not say.
-        rig: the rig's known quantities.
-        sensors: what is declared about the sensors.
-        declared: effects known to act.
-        identify, predict: recordings listed, as written; `None` for both without a table `[recordings]`.
-        findings: what the reader of a result has to know.
+        origin: free text on where the data come from; `None` if absent.
+        rig: the known quantities.
+        sensors: declared sensor properties.
+        declared: declared effects.
+        identify, predict: names of recordings as written; both `None` without a table `[recordings]`.
+        findings: warnings and notes on the file.
         sha256: of the file's bytes.
     """
 
@@ -101,7 +101,7 @@ class RigFile:
     declared: tuple[Declared, ...]
     identify: tuple[str, ...] | None
     predict: tuple[str, ...] | None
-    findings: tuple[Finding, ...]
+    findings: tuple[DataFinding, ...]
     sha256: str
 
 
@@ -109,15 +109,15 @@ def read_rig_file(path: Path) -> RigFile:
     """Reads and checks a `rig.toml`.
 
     Raises:
-        InputError: the file is no TOML, has unknown tables or keys or wrong values, or describes a rig that cannot
-            exist. The message names table and key.
+        InputError: the file is not TOML, has unknown tables or keys or invalid values, or describes an impossible
+            rig. The message names table and key.
     """
     source = read_source(path)
     text = source.text
     try:
         content = _RigFile.model_validate(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is no valid TOML: {error}.{_quoted_line(text, str(error))}") from None
+        raise InputError(f"{path}: not valid TOML: {error}.{_quoted_line(text, str(error))}") from None
     except ValidationError as error:
         raise InputError(f"{path}: {_advice(error.errors()[0])}{_more(error)}") from None
     try:
@@ -132,7 +132,7 @@ def read_rig_file(path: Path) -> RigFile:
             length=content.beam.length_m,
         )
     except RigError as error:
-        raise InputError(f"{path}: such a rig cannot exist: {error}. Correct the values or their units.") from None
+        raise InputError(f"{path}: impossible rig: {error}. Correct the values or their units.") from None
     sensors = Sensors(
         angle_resolution=content.sensors.angle_resolution_rad,
         angle_noise=content.sensors.angle_noise_rad,
@@ -153,33 +153,33 @@ def read_rig_file(path: Path) -> RigFile:
     )
 
 
-def _findings(path: Path, rig: KnownRig) -> list[Finding]:
-    findings: list[Finding] = []
+def _findings(path: Path, rig: KnownRig) -> list[DataFinding]:
+    findings: list[DataFinding] = []
     if rig.unknown:
         text = (
-            f"not known: {', '.join(rig.unknown)}; estimated where a recording tells, otherwise results are per unit."
+            f"unknown: {', '.join(rig.unknown)}; estimated if the recordings allow it, otherwise results are per unit."
         )
         if rig.inertia is None and rig.mass is not None and rig.radius is not None:
-            text += " If the ball is solid, write inertia_kg_m2 = 2/5 m R² into [ball]."
-        findings.append(Finding("note", path.name, text))
+            text += " For a solid ball, add inertia_kg_m2 = 2/5 m R² to [ball]."
+        findings.append(DataFinding("note", path.name, text))
     if rig.inertia is not None and rig.mass is not None and rig.radius is not None:
         ratio = rig.inertia / (rig.mass * rig.radius**2)
         if not 0.3 <= ratio <= 0.7:
             text = f"is {ratio:.3g} m R²; a solid ball has 0.4, a thin shell 0.667. Check mass, radius and inertia."
-            findings.append(Finding("warning", f"{path.name}, [ball] inertia_kg_m2", text))
+            findings.append(DataFinding("warning", f"{path.name}, [ball] inertia_kg_m2", text))
     if rig.gravity is not None and not 9.7 <= rig.gravity <= 9.9:
         text = f"is {rig.gravity:g} m/s²; on Earth it lies between 9.76 and 9.84."
-        findings.append(Finding("warning", f"{path.name}, [environment] gravity_m_s2", text))
+        findings.append(DataFinding("warning", f"{path.name}, [environment] gravity_m_s2", text))
     return findings
 
 
 def _quoted_line(text: str, error: str) -> str:
-    """The line a TOML error names, and the usual cause if it shows."""
+    """The line that a TOML error refers to, with a hint for decimal commas."""
     _, found, after = error.partition("(at line ")
     if not found:
         return ""
     line = text.split("\n")[int(after.split(",")[0]) - 1].strip()
-    hint = " Decimals take a point." if "," in line.partition("=")[2] and '"' not in line else ""
+    hint = " Use a decimal point." if "," in line.partition("=")[2] and '"' not in line else ""
     return f" The line reads '{line}'.{hint}"
 
 
@@ -207,9 +207,9 @@ def _advice(error: Any) -> str:
         return f"{where} = {value!r} has the wrong type. Write {wanted}."
     if kind in ("greater_than", "greater_than_equal"):
         bound = "positive" if kind == "greater_than" else "zero or positive"
-        return f"{where} = {value!r} must be {bound}. Correct it, or delete the line if it is not known."
+        return f"{where} = {value!r} must be {bound}. Correct it, or delete the line if it is unknown."
     if kind == "finite_number":
-        return f"{where} = {value!r} must be finite. Delete the line if it is not known."
+        return f"{where} = {value!r} must be finite. Delete the line if it is unknown."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         name = "[[declared]]" if location[0] == "declared" else f"[{location[0]}]"
         return f"{where} = {value!r} must be a table. Write {name} on a line of its own and its keys below."
@@ -220,15 +220,15 @@ def _unknown(location: tuple[str | int, ...], value: object) -> str:
     key = str(location[-1])
     if len(location) == 1 and isinstance(value, dict | list):
         tables = tuple(_RigFile.model_fields)
-        return f"[{key}] is no known table.{did_you_mean(key, tables)} Tables are {', '.join(tables)}."
+        return f"[{key}] is an unknown table.{did_you_mean(key, tables)} Tables are {', '.join(tables)}."
     home = next((table for table, keys in KEYS.items() if key in keys), None)
     if home is not None:
-        return f"{_key(location) if len(location) > 1 else key} stands in the wrong place. Move it under [{home}]."
+        return f"{_key(location) if len(location) > 1 else key} is in the wrong table. Move it to [{home}]."
     if len(location) == 1:
         every = tuple(name for keys in KEYS.values() for name in keys)
-        return f"{key} stands in no table and is not known.{did_you_mean(key, every)}"
+        return f"{key} is unknown and outside any table.{did_you_mean(key, every)}"
     keys = KEYS[str(location[0])]
-    return f"{_key(location)} is not known.{did_you_mean(key, keys)} Keys of [{location[0]}] are {', '.join(keys)}."
+    return f"{_key(location)} is unknown.{did_you_mean(key, keys)} Keys of [{location[0]}] are {', '.join(keys)}."
 
 
 def _more(error: ValidationError) -> str:

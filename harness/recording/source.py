@@ -1,4 +1,4 @@
-"""A text file as bytes: hashed, decoded and split into lines the way an editor numbers them."""
+"""Reads a text file: SHA-256 of its bytes, decoding, normalised line ends."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class Source:
 def read_source(path: Path) -> Source:
     """Reads a text file in UTF-8 or UTF-16, with or without a byte order mark; line ends become `\\n`.
 
-    Bytes that are no UTF-8 are taken for Windows-1252, in which loggers write `°` and `µ`.
+    Bytes that are not valid UTF-8 are decoded as Windows-1252, in which loggers write `°` and `µ`.
 
     Raises:
-        InputError: the file cannot be read, or is no text.
+        InputError: the file cannot be read or is not text.
     """
     try:
         raw = path.read_bytes()
@@ -36,11 +36,11 @@ def read_source(path: Path) -> Source:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}). Check its permissions.") from None
     if raw.startswith(SPREADSHEET_MARKS):
-        raise InputError(f"{path}: is a spreadsheet, not text. Save it as CSV from the spreadsheet program.")
+        raise InputError(f"{path}: a spreadsheet, not a text file. Save it as CSV from the spreadsheet program.")
     if raw.startswith(UTF16_MARKS):
         encoding = "utf-16"
     elif b"\0" in raw:
-        raise InputError(f"{path}: holds binary data, not text. Export the recording as a CSV file in UTF-8.")
+        raise InputError(f"{path}: binary data, not text. Export the recording as a CSV file in UTF-8.")
     else:
         encoding = "utf-8-sig"
     try:

@@ -1,4 +1,4 @@
-"""A CSV file as cells that remember the row they stood in, rows counted from 1 as an editor counts them."""
+"""Splits CSV text into cells with their row numbers, counted from 1 as in an editor, and converts them to numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from harness.errors import InputError
 from harness.recording.findings import place, rows_text
 
 SEPARATORS = (";", "\t", ",")  # in this order: a comma may also be a decimal mark
-LARGEST = 1e20  # nanoseconds since 1970 stay below; loggers write 1e38 and the like for "no value"
+MAX_VALUE = 1e20  # above nanoseconds since 1970, below the 1e38 that loggers write for "no value"
 MISSING = ("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--")
 
 
@@ -25,10 +25,10 @@ class Table:
 
     Attributes:
         path: the file.
-        header: column names as written, blanks around them removed.
-        header_row: the row they stood in.
-        columns: the cells of each column, each of length n.
-        rows: the row of each cell, shape (n,).
+        header: column names, stripped of blanks.
+        header_row: row number of the header.
+        columns: cells of each column, each of length n.
+        rows: row number of each cell, shape (n,).
     """
 
     path: Path
@@ -39,19 +39,19 @@ class Table:
 
 
 def read_table(path: Path, text: str) -> Table:
-    """Splits CSV text into columns: comma, semicolon or tab; `#` starts a comment line; blank rows are left out.
+    """Splits CSV text into columns: comma, semicolon or tab; `#` starts a comment line; blank rows are skipped.
 
-    Column names may also stand in the last comment before the numbers, as `numpy.savetxt` writes them.
+    Column names may also be given in the last comment before the numbers, as `numpy.savetxt` writes them.
 
     Raises:
-        InputError: no header, no rows, or rows whose number of cells differs from the header's.
+        InputError: no header, no rows, or a row whose number of cells differs from the header's.
     """
     separator: str | None = None
     comments: list[tuple[int, str]] = []
     kept: list[tuple[int, str]] = []
     for row, line in enumerate(text.split("\n"), start=1):
         announced = re.fullmatch(r"sep=(.)\s*", line) if not kept else None
-        if announced:  # how spreadsheet programs announce the separator
+        if announced:  # written by spreadsheet programs
             separator = announced.group(1)
         elif line.lstrip().startswith("#"):
             if not kept:
@@ -59,7 +59,7 @@ def read_table(path: Path, text: str) -> Table:
         elif line.strip():
             kept.append((row, line))
     if not kept:
-        raise InputError(f"{path}: holds no data. Check that the recording was saved completely.")
+        raise InputError(f"{path}: contains no data. Check that the recording was saved completely.")
     if separator is None:
         separator = next((mark for mark in SEPARATORS if mark in kept[0][1]), None)
     if separator is None:
@@ -87,18 +87,18 @@ def _table(path: Path, header_row: int, header: list[str], rows: list[int], cell
             continue
         if len(line) < width:
             raise InputError(
-                f"{place(path, row)}: {len(line)} cells where the header in row {header_row} has {width}. "
+                f"{place(path, row)}: {len(line)} cells, but the header in row {header_row} has {width}. "
                 "Complete the row, or delete it if the recording was cut off there; a blank cell keeps its separator."
             )
         if any(line[width:]):
             raise InputError(
-                f"{place(path, row)}: {len(line)} cells where the header in row {header_row} has {width}. "
+                f"{place(path, row)}: {len(line)} cells, but the header in row {header_row} has {width}. "
                 "If commas are decimal marks here, separate the columns by semicolons."
             )
         full_rows.append(row)
         full_cells.append(line[:width])
     if not full_rows:
-        raise InputError(f"{path}: holds column names but no rows. Check that the recording was saved completely.")
+        raise InputError(f"{path}: contains column names but no rows. Check that the recording was saved completely.")
     return Table(path, tuple(header), header_row, tuple(zip(*full_cells, strict=True)), np.array(full_rows))
 
 
@@ -122,18 +122,18 @@ def _commented_header(
         if len(header) == len(first) and not any(_is_number(name) for name in header):
             return header_row, header
     raise InputError(
-        f"{place(path, row)}: numbers where column names are expected. "
-        "Write a first row that names them: time_s,beam_angle_rad,ball_position_m."
+        f"{place(path, row)}: numbers instead of column names. "
+        "Add a first row with column names: time_s,beam_angle_rad,ball_position_m."
     )
 
 
 def numbers_of(table: Table, *indices: int) -> list[FloatArray]:
-    """The columns `indices` as numbers, each shape (n,); blank cells, `NA` and the like become NaN.
+    """The columns `indices` as numbers, each of shape (n,); blank cells, `NA` and the like become NaN.
 
-    Commas are decimal marks where no number of these columns has a point.
+    Commas are decimal marks if no number of these columns has a decimal point.
 
     Raises:
-        InputError: a cell is no number, or one that no sensor gives, or points and commas are mixed.
+        InputError: a cell is not a number or beyond `MAX_VALUE`, or points and commas are mixed.
     """
     cells = {index: np.char.replace(np.array(table.columns[index]), "\u2212", "-") for index in indices}
     with_comma = {index: np.char.find(column, ",") >= 0 for index, column in cells.items()}
@@ -154,11 +154,11 @@ def _numbers(table: Table, index: int, cells: NDArray[np.str_]) -> FloatArray:
     except ValueError:
         bad = [int(i) for i in np.flatnonzero(known) if not _is_number(cells[i])]
         _refuse_text(table, index, bad)
-    wild = np.flatnonzero(known & ~(np.abs(values) < LARGEST))
-    if len(wild):
-        where = place(table.path, table.rows[wild[0]], table.header[index])
+    excessive = np.flatnonzero(known & ~(np.abs(values) < MAX_VALUE))
+    if len(excessive):
+        where = place(table.path, table.rows[excessive[0]], table.header[index])
         raise InputError(
-            f"{where}: '{table.columns[index][wild[0]]}' is no measured value. Leave the cell blank if unknown."
+            f"{where}: '{table.columns[index][excessive[0]]}' is not a measured value. Leave the cell blank if unknown."
         )
     return values
 
@@ -166,7 +166,7 @@ def _numbers(table: Table, index: int, cells: NDArray[np.str_]) -> FloatArray:
 def _refuse_text(table: Table, index: int, bad: list[int]) -> None:
     text = table.columns[index][bad[0]]
     row = int(table.rows[bad[0]])
-    advice = "Correct the number, or leave the cell blank if it is not known."
+    advice = "Correct the number, or leave the cell blank if it is unknown."
     if bad == [0] and not any(_is_number(column[0]) for column in table.columns):
         advice = "If this row holds units, move them into the column names (such as time_ms) and delete the row."
     others = f" (also {rows_text(table.rows[bad[1:]])})" if len(bad) > 1 else ""
@@ -180,8 +180,8 @@ def _refuse_mixed_marks(
     comma_at = int(np.argmax(commas[other]))
     raise InputError(
         f"{place(table.path, int(table.rows[comma_at]), table.header[other])}: '{cells[other][comma_at]}' has a comma, "
-        f"but '{cells[index][at]}' in row {table.rows[at]} has a decimal point. Use one decimal mark and no separators "
-        "of thousands."
+        f"but '{cells[index][at]}' in row {table.rows[at]} has a decimal point. Use one decimal mark and no "
+        "thousands separators."
     )
 
 

@@ -1,6 +1,6 @@
-"""Reports: one self-contained HTML file each, that opens offline and prints.
+"""Reports as self-contained HTML files that can be opened offline and printed.
 
-`page.render_page` makes a page of any `Section`s; `comparison.render_comparison` makes the one of `harness run` from a
-`Study`, `diagnosis.render_diagnosis` that of `harness diagnose`. A section is one module with one template; the order
-of a report's sections stands in its registry.
+`page.render_page` renders `Section`s; `comparison.render_comparison` makes the report of `harness run` from a `Study`,
+`diagnosis.render_diagnosis` that of `harness diagnose`. Each section is one module with one template; `SECTIONS` of
+each report defines their order.
 """

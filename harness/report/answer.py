@@ -1,4 +1,4 @@
-"""The answer in words: which model to trust, how far, why, and what to do next. Every word follows from a number."""
+"""The conclusions of the comparison report in words: closest model, uncertainty, engines, headline horizon."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ from analytic.models import CAM
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
 from harness.formatting import brief, length, number, plus_minus
+from harness.numerics import rms
 from harness.report.palette import label_of, names
 from harness.report.standing import COVERAGE, Standing, standings
 
-_AGREES = 0.1  # of u_val: an engine this close to CAM adds nothing to the error
-_FOLLOWS = 0.5  # of the still ball's error: a source that errs by more has a fit below 50 %
-_MANY = 3  # more names than this are counted, not listed
+_AGREEMENT = 0.1  # of u_val: largest difference from CAM at which an engine adds no error
+_MAX_RELATIVE_ERROR = 0.5  # of the stationary ball's error, hence a fit above 50 %
+_MAX_NAMES = 3  # more names are counted instead of listed
 
 
 @dataclass(frozen=True)
 class EngineFact:
-    """One engine beside CAM on the headline horizon.
+    """One engine compared with CAM on the headline horizon.
 
     Attributes:
         source: its name.
         departure: largest |s_engine − s_CAM|; NaN if no run succeeded [m].
-        numerical, contact: RMS of these parts of its free run's error; NaN if they could not be split [m].
-        failed: advice of its first failure; empty if it has none.
+        numerical, contact: RMS of these parts of its free run's error; NaN without attribution [m].
+        failed: message of its first failure, else empty.
     """
 
     source: str
@@ -40,22 +41,22 @@ class EngineFact:
 
 @dataclass(frozen=True)
 class Facts:
-    """What the answer is made from.
+    """Numbers from which the conclusions are derived.
 
     Attributes:
-        recording: what it is called: "the recording" or "the simulated recording".
-        case: path to give to a command.
-        seconds: length of the headline horizon's windows, `None` for the whole recording [s].
-        duration: of the whole free run [s].
+        recording: "the recording" or "the simulated recording".
+        case: path of the case, for a command.
+        seconds: window length of the headline horizon, `None` for the whole recording [s].
+        duration: of the free run [s].
         standings: of all sources on the headline horizon, the closest first.
         over_uncertainty: RMS of E/u_val of the closest [1].
         u_val: RMS of u_val on the headline horizon [m].
-        still: error of a ball that stays at its mean place in each run, RMS [m].
-        end_u_val, motion: u_val at the end of the whole free run, and the ball's RMS motion in it [m].
+        still: RMS error of a ball that stays at its mean position in each run [m].
+        end_u_val, motion: u_val at the end of the free run, and standard deviation of the ball's position in it [m].
         engines: one each.
-        shorter: the longest of the shorter horizons on which a source follows the motion: its seconds, source and
+        shorter: the longest of the shorter horizons on which a source has a fit above 50 %: its seconds, source and
             RMS error; `None` if there is none.
-        declared: names of effects known to act, which every model here has.
+        declared: names of the declared effects, included in every model.
     """
 
     recording: str
@@ -74,12 +75,12 @@ class Facts:
 
 
 def is_simulated(study: Study) -> bool:
-    """Whether the recording's origin says that it was simulated."""
+    """Whether the recording is simulated, according to its declared origin."""
     return (study.setting.case.origin or "").lower().startswith("simulated")
 
 
 def facts_of(study: Study) -> Facts:
-    """Collect from a study what the answer needs."""
+    """The facts of a study."""
     setting, headline = study.setting, study.headline
     whole = setting.horizons[0]
     ranked = standings(study, headline)
@@ -101,21 +102,21 @@ def facts_of(study: Study) -> Facts:
 
 
 def answer(study: Study) -> tuple[str, ...]:
-    """The answer to "which model can I trust on this recording?", in two to four sentences."""
+    """Which model is valid on this recording, in two to four sentences."""
     return sentences(facts_of(study))
 
 
 def sentences(facts: Facts) -> tuple[str, ...]:
-    """The words for `facts`; the first sentence names the closest source."""
+    """The sentences for `facts`; the first names the closest source."""
     said = [_closest(facts), _uncertainty(facts), _engines(facts), _horizon(facts)]
     return tuple(text[:1].upper() + text[1:] for text in said if text)
 
 
 def still_error(study: Study, horizon: Horizon) -> float:
-    """RMS error of a ball that stays at its mean place in each run [m]: what any model has to beat."""
+    """RMS error of a ball that stays at its mean position in each run [m], the trivial prediction."""
     position, use = study.setting.recording.position, study.setting.ball.trusted
     pieces = [position[where][use[where]] for where in horizon.slices()]
-    return float(np.sqrt(np.mean(np.concatenate([piece - np.mean(piece) for piece in pieces]) ** 2)))
+    return rms(np.concatenate([piece - np.mean(piece) for piece in pieces]))
 
 
 def horizon_text(seconds: float | None, duration: float) -> str:
@@ -127,16 +128,16 @@ def _closest(facts: Facts) -> str:
     best, where = facts.standings[0], horizon_text(facts.seconds, facts.duration)
     error = f"{plus_minus(1e3 * best.rms, 1e3 * best.std)} mm RMS"
     if not math.isfinite(best.rms):
-        return f"No source gave a finite motion {where}."
-    if best.rms > _FOLLOWS * facts.still:
-        beside = "more" if best.rms >= facts.still else "not much less"
+        return f"All sources diverge {where}."
+    if best.rms > _MAX_RELATIVE_ERROR * facts.still:
+        relation = "more" if best.rms >= facts.still else "not much less"
         text = (
-            f"No source follows {facts.recording} {where}: even the closest, {label_of(best.source)}, errs by {error}, "
-            f"{beside} than a ball that stayed in place ({number(1e3 * facts.still)} mm)"
+            f"No source follows {facts.recording} {where}: even the closest, {label_of(best.source)}, has an error of "
+            f"{error}, {relation} than a stationary ball ({number(1e3 * facts.still)} mm)"
         )
         if facts.shorter is not None:
-            seconds, source, rms = facts.shorter
-            text += f"; {horizon_text(seconds, 0.0)} the closest is {label_of(source)} with {number(1e3 * rms)} mm"
+            seconds, source, error_m = facts.shorter
+            text += f"; {horizon_text(seconds, 0.0)} the closest is {label_of(source)} with {_mm(error_m)}"
         return text + "."
     same = [one.source for one in facts.standings if one.same]
     is_closest = f"{names(same)} {'are' if len(same) > 1 else 'is'} closest to {facts.recording}"
@@ -146,12 +147,13 @@ def _closest(facts: Facts) -> str:
     rivals = [one for one in facts.standings if not one.same]
     equal = [one.source for one in rivals if not one.separated]
     if equal:
-        who = names(equal) if len(equal) <= _MANY else f"{len(equal)} others"
+        who = names(equal) if len(equal) <= _MAX_NAMES else f"{len(equal)} others"
         return (
-            f"{text}; {who} cannot be told from {'them' if len(same) > 1 else 'it'} with this recording's uncertainty."
+            f"{text}; with this recording's uncertainty {who} cannot be distinguished from "
+            f"{'them' if len(same) > 1 else 'it'}."
         )
     if rivals:
-        return f"{text}, ahead of the next, {label_of(rivals[0].source)} ({_mm(rivals[0].rms)}), beyond doubt."
+        return f"{text}, significantly less than the next, {label_of(rivals[0].source)} ({_mm(rivals[0].rms)})."
     return text + "."
 
 
@@ -159,31 +161,31 @@ def _uncertainty(facts: Facts) -> str:
     best = facts.standings[0]
     if not math.isfinite(best.rms):
         return ""
-    floor = f"what angle, start and sensor leave open ({_mm(facts.u_val)} RMS)"
+    floor = f"the uncertainty of angle, start and sensor ({_mm(facts.u_val)} RMS)"
     ratio = number(facts.over_uncertainty, 2)
     if facts.over_uncertainty <= COVERAGE:
         return (
-            f"Its error is within {floor}: E/u_val is {ratio}, where a perfect model has about 1, so runs of this "
-            "length hold no evidence against it; a finer angle sensor, or shorter windows, would tell more."
+            f"Its error is within {floor}: E/u_val is {ratio}, and about 1 for a perfect model, so runs of this "
+            "length are no evidence against it; a finer angle sensor or shorter windows would be more informative."
         )
     known = f" beyond the declared {_list(facts.declared)}" if facts.declared else ""
     return (
-        f"Stamp by stamp its error is {ratio} times {floor}: the models lack physics{known}; `harness diagnose "
-        f"{facts.case}` looks for it."
+        f"Its error is {ratio} times {floor}: the models lack physics{known}; `harness diagnose "
+        f"{facts.case}` identifies it."
     )
 
 
 def _engines(facts: Facts) -> str:
     failed = [one for one in facts.engines if one.failed]
     sound = [one for one in facts.engines if math.isfinite(one.departure) and not one.failed]
-    near = [one for one in sound if one.departure <= _AGREES * facts.u_val]
+    near = [one for one in sound if one.departure <= _AGREEMENT * facts.u_val]
     said = [f"{label_of(one.source)} failed: {one.failed}" for one in failed]
     if near:
         worst = max(one.departure for one in near)
-        verb = "repeat" if len(near) > 1 else "repeats"
+        verb = "agree" if len(near) > 1 else "agrees"
         said.append(
-            f"{names([one.source for one in near])} {verb} {label_of(CAM.name)} within {length(worst, 2)}, so "
-            "step size and contact model add nothing to the error"
+            f"{names([one.source for one in near])} {verb} with {label_of(CAM.name)} within {length(worst, 2)}, so "
+            "step size and contact model do not contribute to the error"
         )
     for one in sound:
         if one in near:
@@ -192,10 +194,12 @@ def _engines(facts: Facts) -> str:
         if math.isfinite(one.numerical):
             numeric = one.numerical >= one.contact
             part = (
-                ", mostly from its step size (lower it)" if numeric else ", mostly from its contact model (stiffen it)"
+                ", mostly due to its step size (reduce it)"
+                if numeric
+                else ", mostly due to its contact model (stiffen it)"
             )
         said.append(
-            f"{label_of(one.source)} departs from {label_of(CAM.name)} by up to {length(one.departure, 2)}{part}"
+            f"{label_of(one.source)} differs from {label_of(CAM.name)} by up to {length(one.departure, 2)}{part}"
         )
     return "; ".join(said) + "." if said else ""
 
@@ -204,13 +208,10 @@ def _horizon(facts: Facts) -> str:
     end, motion = _mm(facts.end_u_val), _mm(facts.motion)
     whole = f"The free run over the whole {brief(facts.duration)} s"
     if facts.seconds is None:
-        return (
-            f"{whole} is a fair test: at its end the inputs leave {end} open, and the ball's own motion is "
-            f"{motion} RMS."
-        )
+        return f"{whole} is informative: at its end u_val is {end}, and the ball's own motion is {motion} RMS."
     return (
-        f"{whole} is no test of a model: by its end the errors of angle and start alone can move the ball by {end}, "
-        f"against {motion} RMS of real motion."
+        f"{whole} is not informative: at its end u_val, due to the uncertainty of angle and start, is {end}, "
+        f"compared with {motion} RMS of the ball's own motion."
     )
 
 
@@ -236,7 +237,7 @@ def _shorter(study: Study) -> tuple[float, str, float] | None:
         if seconds is None or seconds >= limit:
             continue
         best = standings(study, horizon)[0]
-        if best.rms <= _FOLLOWS * still_error(study, horizon):
+        if best.rms <= _MAX_RELATIVE_ERROR * still_error(study, horizon):
             return seconds, best.source, best.rms
     return None
 

@@ -1,4 +1,4 @@
-"""A report's page: sections in order, a table of contents, the style, and nothing that has to be loaded."""
+"""Renders a report page from sections, with table of contents and embedded style; no external resources."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Section:
         anchor: its id on the page.
         title: its heading.
         short: its name in the table of contents.
-        template: below templates/.
-        context: what the template needs.
+        template: path below templates/.
+        context: variables of the template.
     """
 
     anchor: str
@@ -35,7 +35,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Badge:
-    """A word beside the page's title that must not be overlooked; `kind` is `warning`, `bad`, `good` or `plain`."""
+    """A highlighted label beside the page's title; `kind` is `warning`, `bad`, `good` or `plain`."""
 
     text: str
     kind: str = "plain"
@@ -45,7 +45,7 @@ _MARKS = re.compile(r"`([^`]+)`|\b(u|f|v|E|e|F)_(val|b|t|disp|vel|s|v|f)\b")
 
 
 def typeset(text: str | Markup) -> Markup:
-    """Plain text as HTML: `…` becomes code, u_val, f_b, E_disp … get their index below. Markup stays as it is."""
+    """Plain text as HTML: `…` becomes code, u_val, f_b, E_disp … get subscripts. Markup is unchanged."""
     if isinstance(text, Markup):
         return text
 
@@ -59,7 +59,7 @@ def typeset(text: str | Markup) -> Markup:
 
 @lru_cache
 def environment() -> Environment:
-    """The templates; an undefined name in one of them is an error."""
+    """The template environment; undefined names are errors."""
     made = Environment(
         loader=PackageLoader("harness.report"),
         autoescape=True,
@@ -86,7 +86,7 @@ def render_page(
 
     Args:
         title: of the page and its first heading.
-        sections: in the order of the page; anchors must differ.
+        sections: in the order of the page, with unique anchors.
         subtitle: one line below the heading.
         badges: beside the heading.
         language: of the texts.

@@ -1,4 +1,4 @@
-"""How each source looks, in every picture and table of every report; told apart without colour vision by dashes too."""
+"""Name, colour and line style of each source in all reports; dashes distinguish sources without colour vision."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ INK = "#1c2733"
 
 @dataclass(frozen=True)
 class Look:
-    """Name for readers, colour, line.
+    """Label, colour and line style.
 
     Attributes:
         label: name in texts, tables and legends.
         colour: hexadecimal.
         dash: on-off lengths in points; `None` for a solid line.
         width: of its line [pt].
-        layer: drawing order; engines lie dashed on the model they should agree with, which shows through.
+        layer: drawing order; engines are drawn dashed above the model they should agree with.
     """
 
     label: str
@@ -49,19 +49,19 @@ _SPARE = ("#66A61E", "#E7298A", "#1B9E77", "#7570B3")
 
 
 def look_of(source: str) -> Look:
-    """The look of a source; one that has none gets a spare colour, the same in every report."""
+    """The look of a source; unknown sources get a spare colour that depends only on their name."""
     if source in LOOKS:
         return LOOKS[source]
     return Look(source, _SPARE[sum(source.encode()) % len(_SPARE)], (2.0, 1.0), 1.3, 5)
 
 
 def label_of(source: str) -> str:
-    """The name of a source for readers."""
+    """The displayed name of a source."""
     return look_of(source).label
 
 
 def swatch(source: str) -> Markup:
-    """The name of a source with a dash of its colour before it."""
+    """The displayed name of a source after a mark in its colour."""
     look = look_of(source)
     return Markup('<span class="swatch" style="--colour:{}"></span>{}').format(look.colour, look.label)
 

@@ -1,4 +1,4 @@
-"""Pictures for a page: one style, units on every axis, vector graphics that carry their own letters."""
+"""Figures for a report: common style, helpers for lines and axes, conversion to embedded SVG."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from harness.formatting import brief
 from harness.report.palette import GRID_COLOUR, INK, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
-_NEIGHBOURS = 0.08  # of the axis; texts closer than this would overlap
-_MOST_POINTS = 800  # of one line; more cannot be seen at this width
+_MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
+_MAX_POINTS = 800  # per line; more are not visible at this width
 
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -48,7 +48,7 @@ STYLE: dict[Any, Any] = {
     "ytick.color": "#4c5967",
     "lines.solid_capstyle": "round",
     "svg.fonttype": "path",
-    "svg.hashsalt": "harness",  # the same picture is the same file
+    "svg.hashsalt": "harness",  # makes the SVG reproducible
     "axes.unicode_minus": True,
 }
 
@@ -58,8 +58,8 @@ class Picture:
     """An image that is part of the page.
 
     Attributes:
-        source: data address of the SVG.
-        alt: what it shows, for those who do not see it.
+        source: data URL of the SVG.
+        alt: alternative text.
         caption: printed below.
         width, height: of the drawing [px].
     """
@@ -73,13 +73,13 @@ class Picture:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The style of all pictures."""
+    """Context with the common Matplotlib style."""
     with mpl.rc_context(STYLE):
         yield
 
 
 def picture(figure: Figure, alt: str, caption: str | Markup) -> Picture:
-    """`figure` as an image of the page; call it within `style`."""
+    """Converts `figure` to an embedded image; call within `style`."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, dpi=160)
     width, height = figure.get_size_inches() * 96
@@ -88,20 +88,20 @@ def picture(figure: Figure, alt: str, caption: str | Markup) -> Picture:
 
 
 def thinning(samples: int) -> int:
-    """Every how manieth of so many samples a line needs."""
-    return max(1, -(-samples // _MOST_POINTS))
+    """Stride that reduces a line of `samples` points to at most `_MAX_POINTS`."""
+    return max(1, -(-samples // _MAX_POINTS))
 
 
 def joined(
     time: FloatArray, pieces: FloatArray, slices: Sequence[slice], keep: NDArray[np.bool_] | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Runs as one line with gaps between them, thinned to what can be seen.
+    """Concatenates runs to one line with gaps between them, thinned to the visible resolution.
 
     Args:
         time: stamps, shape (n,) [s].
-        pieces: one run a row, shape (runs, n).
+        pieces: one run per row, shape (runs, n).
         slices: the stamps of each run.
-        keep: stamps to draw, shape (n,); a line passes over the others. `None` for all.
+        keep: stamps to draw, shape (n,), the others are skipped; `None` for all.
     """
     keep = np.ones(len(time), dtype=np.bool_) if keep is None else keep
     stride = thinning(sum(where.stop - where.start for where in slices))
@@ -115,7 +115,7 @@ def joined(
 
 
 def line(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> Line2D:
-    """One source's line in its look."""
+    """Draws a line in the given look."""
     (drawn,) = axes.plot(time, values, color=look.colour, linewidth=look.width, zorder=look.layer)
     if look.dash:
         drawn.set_dashes(look.dash)
@@ -123,7 +123,7 @@ def line(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> Line2D
 
 
 def sample(look: Look, label: str) -> Line2D:
-    """An entry of a legend."""
+    """Legend entry for a look."""
     entry = Line2D([], [], color=look.colour, linewidth=look.width, label=label)
     if look.dash:
         entry.set_dashes(look.dash)
@@ -131,38 +131,38 @@ def sample(look: Look, label: str) -> Line2D:
 
 
 def measured_line(axes: Axes, time: FloatArray, values: FloatArray) -> Line2D:
-    """The recording: always black, above the band and below the engines' dashes."""
+    """Draws the recording: black, above the band and below the engines' dashed lines."""
     (drawn,) = axes.plot(time, values, color=MEASURED_COLOUR, linewidth=1.4, zorder=4)
     return drawn
 
 
 def band(axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """What is left open: a grey band."""
+    """Draws an uncertainty band in grey."""
     thin = slice(None, None, thinning(len(time)))
     time, low, high = time[thin], low[thin], high[thin]
     axes.fill_between(time, low, high, color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0.0, zorder=1)
 
 
 def frame(axes: Axes, values: FloatArray, margin: float = 0.35, least: float = 1e-3) -> None:
-    """Limits of y: the range of `values` with a margin, whatever else is drawn."""
+    """Sets the y limits to the range of `values` with a margin of at least `least`."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     room = max(margin * (high - low), least)
     axes.set_ylim(low - room, high + room)
 
 
 def mark_exits(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> tuple[float, bool] | None:
-    """Marks with triangles where a line leaves the frame upwards or downwards.
+    """Marks with triangles where a line leaves the y limits.
 
     Args:
-        axes: with its limits of y set.
+        axes: with y limits set.
         time: shape (n,), NaN between runs [s].
         values: shape (n,).
 
     Returns:
-        when it first leaves [s], and whether upwards; `None` if it never does.
+        time of the first exit [s] and whether it is upwards; `None` if there is none.
     """
     low, high = axes.get_ylim()
-    known = ~np.isnan(values)  # a gap is no return into the frame; a new run begins inside by itself
+    known = ~np.isnan(values)  # a gap between runs is not a return into the frame
     time, values = time[known], values[known]
     first: tuple[float, bool] | None = None
     for outside, edge, marker in ((values > high, high, "^"), (values < low, low, "v")):
@@ -177,14 +177,14 @@ def mark_exits(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> 
     return first
 
 
-def tell_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
-    """Writes beside the triangles of `mark_exits`, when lines leave; neighbours share a text."""
+def label_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
+    """Labels the triangles of `mark_exits` with exit times; close ones share a label."""
     begin, end = axes.get_xlim()
     for upwards in (True, False):
         times = sorted(time for time, up in exits if up is upwards)
         groups: list[list[float]] = []
         for time in times:
-            if groups and time - groups[-1][-1] < _NEIGHBOURS * (end - begin):
+            if groups and time - groups[-1][-1] < _MIN_LABEL_DISTANCE * (end - begin):
                 groups[-1].append(time)
             else:
                 groups.append([time])
@@ -207,7 +207,7 @@ def tell_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
 
 
 def plain_log(axes: Axes, which: str, ticks: Sequence[float] | None = None) -> None:
-    """A logarithmic axis with plain numbers; `which` is "x" or "y"."""
+    """Makes an axis logarithmic with plain tick labels; `which` is "x" or "y"."""
     axis = axes.xaxis if which == "x" else axes.yaxis
     (axes.set_xscale if which == "x" else axes.set_yscale)("log")
     if ticks is not None:
@@ -217,9 +217,9 @@ def plain_log(axes: Axes, which: str, ticks: Sequence[float] | None = None) -> N
 
 
 def binned(x: FloatArray, y: FloatArray, bins: int = 12) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean of y and its standard error in bins of equally many samples: centre, mean, error, shape (bins,).
+    """Mean of y and its standard error in bins of equal sample count: mean x, mean y, error, shape (bins,) each.
 
-    Neighbouring samples are taken for independent, so that errors of smoothed signals come out somewhat small.
+    Samples are assumed independent; for smoothed signals the errors are therefore too small.
     """
     order = np.argsort(x)
     parts = [part for part in np.array_split(order, bins) if part.size > 2]

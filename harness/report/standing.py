@@ -1,4 +1,4 @@
-"""Which source is closest, and which others this recording cannot tell from it."""
+"""Ranks sources by RMS error and tests whether each is significantly worse than the best."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
+from harness.numerics import rms
 
 COVERAGE = 2.0  # standard deviations, as in ASME V&V 20: 95 % of a normal distribution
-SAME = 0.05  # of u_val: two runs closer than this give the same motion for any purpose
+SAME_MOTION = 0.05  # of u_val: RMS difference below which two runs count as equal
 
 
 @dataclass(frozen=True)
 class Standing:
-    """One source beside the best one, on one horizon.
+    """One source compared with the best one, on one horizon.
 
     Attributes:
         source: its name.
-        rms: of its error [m]; infinite where it ran away or failed.
-        std: standard error of that; NaN for a single run [m].
-        separated: whether it is worse than the best by more than the recording leaves open.
-        same: whether its motion is that of the best.
+        rms: RMS error [m]; infinite if it diverged or failed.
+        std: standard error of `rms`; NaN for a single run [m].
+        separated: whether it is significantly worse than the best.
+        same: whether its motion equals that of the best.
     """
 
     source: str
@@ -35,7 +36,7 @@ class Standing:
 
 
 def standings(study: Study, horizon: Horizon) -> list[Standing]:
-    """All sources on `horizon`, the closest first; one of equal motion ranks by order of the study."""
+    """All sources on `horizon` by RMS error; sources of equal motion in the order of the study."""
     slices, use = horizon.slices(), study.setting.ball.trusted
     measured, u_val = study.setting.recording.position, study.u_val_of(horizon)
     errors = {
@@ -44,15 +45,15 @@ def standings(study: Study, horizon: Horizon) -> list[Standing]:
     }
     u = [u_val[i, w][use[w]] for i, w in enumerate(slices)]
     floor = _rms(u)
-    rms = {source: _rms(error) for source, error in errors.items()}
+    sizes = {source: _rms(error) for source, error in errors.items()}
     # Sources of equal motion rank together, in the order of the study: analytic models before the engines.
     alike = {s: [o for o in study.sources if o == s or _same(errors[s], errors[o], floor)] for s in study.sources}
-    ordered = sorted(study.sources, key=lambda source: min(rms[one] for one in alike[source]))
+    ordered = sorted(study.sources, key=lambda source: min(sizes[one] for one in alike[source]))
     first = ordered[0]
     return [
         Standing(
             source=source,
-            rms=rms[source],
+            rms=sizes[source],
             std=1e-3 * study.score_of(source, horizon).rms_error_standard_error_mm,
             separated=separated(errors[first], errors[source], u),
             same=source in alike[first],
@@ -62,11 +63,11 @@ def standings(study: Study, horizon: Horizon) -> list[Standing]:
 
 
 def separated(best: Sequence[FloatArray], other: Sequence[FloatArray], u_val: Sequence[FloatArray]) -> bool:
-    """Whether `other` errs more than `best` by more than chance and inputs explain.
+    """Whether the mean square error of `other` is significantly larger than that of `best`.
 
     Measurement, start and angle are common to both: an error δ of theirs changes the difference of the mean squares by
-    2 δ (e_other − e_best). Within a run δ is taken for wholly correlated and of the worst sign, from run to run for
-    independent; to this comes the scatter of the difference over the runs, where there are several.
+    2 δ (e_other − e_best). δ is assumed fully correlated and of the worst sign within a run, and independent between
+    runs; for several runs the variance of the difference between runs is added.
 
     Args:
         best, other: e_s of each run, model − measured, shape (n,) each [m].
@@ -86,11 +87,11 @@ def separated(best: Sequence[FloatArray], other: Sequence[FloatArray], u_val: Se
 
 
 def _same(one: Sequence[FloatArray], other: Sequence[FloatArray], floor: float) -> bool:
-    return _rms([a - b for a, b in zip(one, other, strict=True)]) < SAME * floor
+    return _rms([a - b for a, b in zip(one, other, strict=True)]) < SAME_MOTION * floor
 
 
 def _rms(pieces: Sequence[FloatArray]) -> float:
-    values = np.concatenate(pieces)
+    """RMS over all runs; infinite if a source diverged."""
     with np.errstate(over="ignore", invalid="ignore"):
-        square = float(np.mean(np.square(values)))
-    return float(np.sqrt(square)) if np.isfinite(square) else np.inf
+        value = rms(np.concatenate(pieces))
+    return value if np.isfinite(value) else np.inf

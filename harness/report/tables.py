@@ -1,4 +1,4 @@
-"""Tables as data: the unit in the head, numbers to the right; one template macro prints them all."""
+"""Tables as data, rendered by one template macro."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from markupsafe import Markup
 
 @dataclass(frozen=True)
 class Column:
-    """Head of a column.
+    """A table column.
 
     Attributes:
-        head: as printed.
-        unit: under it; empty for texts and numbers without one.
-        text: whether its cells are texts, hence to the left.
-        apart: whether a line sets it and what follows apart.
-        hint: shown when the pointer rests on it.
+        head: heading.
+        unit: printed below it; empty if there is none.
+        text: whether its cells are text, aligned left.
+        apart: whether a line separates it from the columns before.
+        hint: tooltip of the heading.
     """
 
     head: str | Markup
@@ -28,13 +28,13 @@ class Column:
 
     @property
     def classes(self) -> str:
-        """Of its cells, for style.css."""
+        """CSS classes of its cells."""
         return " ".join(name for name in ("text", "apart") if getattr(self, name))
 
 
 @dataclass(frozen=True)
 class Row:
-    """Cells, ready to print, and what sets the row apart: `best`, `failed`, `apart` … (classes of style.css)."""
+    """Formatted cells, and the CSS class of the row: `best`, `failed`, `apart` …"""
 
     cells: tuple[str | Markup, ...]
     kind: str = ""
@@ -42,10 +42,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """What the macro `table` prints.
+    """A table, printed by the macro `table`.
 
     Raises:
-        ValueError: a row has not as many cells as there are columns.
+        ValueError: a row has a different number of cells than columns.
     """
 
     caption: str | Markup

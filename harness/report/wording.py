@@ -1,4 +1,4 @@
-"""The verdict in one sentence, as one engineer would tell another."""
+"""The verdict of a diagnosis as one sentence."""
 
 from __future__ import annotations
 
@@ -15,45 +15,45 @@ from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
-_LISTED = 5  # of many names, before the rest is counted
+_MAX_NAMES = 5  # further names are counted instead of listed
 
 DEPENDENCES: Mapping[Depends, str] = {
     Depends.POSITION: "the ball's position",
     Depends.VELOCITY: "the ball's velocity",
     Depends.ANGLE: "the beam angle",
-    Depends.ROLL_ANGLE: "the angle that the ball has rolled",
+    Depends.ROLL_ANGLE: "the ball's rolled angle",
     Depends.TIME: "time",
 }
 
 
 def words(name: str) -> str:
-    """An effect's public name as words: `level error`."""
+    """An effect's name with blanks: `level error`."""
     return name.replace("_", " ")
 
 
 def sentence(diagnosis: Diagnosis) -> str:
-    """The verdict in words; ± are halves of 95 % intervals."""
+    """The verdict in words; ± is half the width of a 95 % interval."""
     match diagnosis.verdict:
         case Verdict.NONE:
             return (
-                "Nothing is missing beyond the noise: no effect of the catalogue predicts these recordings better"
+                "No missing effect was found: no effect of the catalogue predicts these recordings better"
                 f"{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE if not _explained(diagnosis):
             left = diagnosis.found.root_density / diagnosis.problem.angle_floor
             return (
-                f"These recordings cannot tell: the ball is pushed {number(left, 2)} times as hard as the error of the "
-                f"angle can, but no law that was tried predicts it better beyond chance{_stays(diagnosis.heldout)}."
+                f"Not identifiable from these recordings: the process noise is {number(left, 2)} times its floor, but "
+                f"no law that was tried predicts significantly better{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE:
             return (
-                "These recordings cannot tell: nothing was found, but a typical size of "
-                f"{_some(diagnosis.unseen)} would not have been seen either."
+                "Not identifiable from these recordings: nothing was found, but at their typical size "
+                f"{_some(diagnosis.unseen)} would be below the detection limit."
             )
         case Verdict.UNLISTED:
             beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""
             what = f"{_curve(diagnosis)}{beside}{_fall(diagnosis)}"
-            return f"Something is missing that the catalogue does not list, {what}."
+            return f"An effect that is not in the catalogue is missing: {what}."
         case Verdict.EFFECT:
             verb = "was" if len(diagnosis.effects) == 1 else "were"
             text = f"{_found(diagnosis)} {verb} missing{_fall(diagnosis)}."
@@ -90,7 +90,7 @@ def _found(diagnosis: Diagnosis) -> str:
 
 def _or(finding: IdentifiedEffect) -> str:
     rivals = [words(name) for name in finding.indistinguishable_from]
-    return f" (or {' or '.join(rivals)}, which these recordings do not tell from it)" if rivals else ""
+    return f" (indistinguishable from {' or '.join(rivals)})" if rivals else ""
 
 
 def _and(parts: Sequence[str]) -> str:
@@ -99,8 +99,8 @@ def _and(parts: Sequence[str]) -> str:
 
 
 def _some(names: Sequence[str]) -> str:
-    listed = [words(name) for name in names[:_LISTED]]
-    return _and(listed if len(names) <= _LISTED else [*listed, f"{len(names) - _LISTED} more"])
+    listed = [words(name) for name in names[:_MAX_NAMES]]
+    return _and(listed if len(names) <= _MAX_NAMES else [*listed, f"{len(names) - _MAX_NAMES} more"])
 
 
 def _curve(diagnosis: Diagnosis) -> str:
@@ -125,9 +125,9 @@ def _ends(heldout: BeforeAfter) -> tuple[str, float, float] | None:
 def _fall(diagnosis: Diagnosis) -> str:
     ends = _ends(diagnosis.heldout)
     if ends is None:
-        return "; the recordings are too short to hold any of them out"
+        return "; the recordings are too short for held-out errors"
     span, before, after = ends
-    verb = "falls" if after < before else "does not fall but goes"
+    verb = "decreases" if after < before else "increases"
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"
 
 
@@ -137,7 +137,7 @@ def _stays(heldout: BeforeAfter) -> str:
 
 
 def error_size(metres: float) -> str:
-    """An error in millimetres, from a metre on in metres."""
+    """An error in millimetres, from one metre in metres."""
     if metres >= 0.9995:
         return f"{number(metres)} m"
     return f"{number(1e3 * metres, 3 if metres >= 0.00995 else 2)} mm"

@@ -1,7 +1,7 @@
-"""Tolerances: limits a user sets on sources, metrics and horizons, and whether a study keeps them.
+"""Tolerances: user-defined limits on metrics of sources and horizons, and their check.
 
-`tolerances_for` finds the limits of a case, `check` holds a study to them, `render_table` shows the outcome; the pytest
-plugin and `harness run --check` do the same through these.
+`tolerances_for` finds the limits of a case, `check` compares a study with them, `render_table` prints the outcome. The
+pytest plugin and `harness run --check` use these functions.
 """
 
 from harness.tolerances.check import Checked, check

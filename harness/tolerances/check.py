@@ -1,4 +1,4 @@
-"""A study held to limits: what was measured, and how much room is left."""
+"""Compares a study with limits: value and margin of each."""
 
 from __future__ import annotations
 
@@ -11,23 +11,24 @@ from analytic.models import CAM
 from harness.comparison import Setting, Study
 from harness.comparison.horizons import Horizon
 from harness.errors import InputError
+from harness.numerics import rms
 from harness.tolerances.limits import Limit, Tolerances
 
 
 @dataclass(frozen=True)
 class Checked:
-    """One limit and what was found.
+    """The outcome of one limit.
 
     Attributes:
         source, horizon, metric, unit: as in metrics.csv.
-        against_cam: whether CAM is the reference, else the measurement.
-        relation: `<=` or `>=`, of the value or, where the metric says so, of its magnitude.
-        value: measured; NaN where there is none.
+        against_cam: whether the reference is CAM instead of the measurement.
+        relation: `<=` or `>=`, of the value or, for signed metrics, of its magnitude.
+        value: of the metric; NaN if there is none.
         limit: in the same unit.
-        passed: whether the limit is kept.
-        margin: room left, relative to the limit; negative where it is broken, NaN without a value.
-        failure: why there is no value; empty where there is one.
-        name: the limit in one line, as pytest shows it.
+        passed: whether the limit is satisfied.
+        margin: relative to the limit; negative if it is violated, NaN without a value.
+        failure: why there is no value; else empty.
+        name: the limit in one line, as in pytest.
     """
 
     source: str
@@ -43,27 +44,27 @@ class Checked:
     failure: str
     name: str
 
-    def finding(self) -> str:
-        """What was found: value, limit and margin, or why there is no value."""
+    def outcome(self) -> str:
+        """Value, limit and margin, or why there is no value."""
         if self.failure:
             return self.failure
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.value:.4g}{unit}, limit {self.relation} {self.limit:g}{unit}, margin {percent(self.margin)}"
 
     def text(self) -> str:
-        """The limit and what was found, in one line."""
-        return f"{self.name} {'kept' if self.passed else 'broken'}: {self.finding()}"
+        """The limit and its outcome, in one line."""
+        return f"{self.name} {'kept' if self.passed else 'broken'}: {self.outcome()}"
 
 
 def percent(margin: float) -> str:
-    """A margin with its sign; a dash where there is none."""
+    """A margin with its sign; a dash for NaN."""
     return "-" if math.isnan(margin) else f"{100.0 * margin:+.{0 if abs(margin) >= 0.1 else 2}f} %"
 
 
 def check(study: Study, tolerances: Tolerances) -> list[Checked]:
-    """Hold `study` to every limit, in the order of the file.
+    """Checks every limit, in the order of the file.
 
-    A limit on a source that failed, or that did not run, is not kept.
+    A limit on a source that failed or did not run counts as violated.
 
     Raises:
         InputError: as `require`.
@@ -74,11 +75,11 @@ def check(study: Study, tolerances: Tolerances) -> list[Checked]:
 
 
 def require(setting: Setting, tolerances: Tolerances) -> None:
-    """Make sure that a study of `setting` can be held to `tolerances`.
+    """Checks that `tolerances` apply to a study of `setting`.
 
     Raises:
-        InputError: it will have another tube than the limits are meant for, or lacks a horizon: either it was not
-            prepared with `tolerances.settle(choices)`, or the recording is too short for such a window.
+        InputError: the tube differs, or a horizon is missing: the setting was not prepared with
+            `tolerances.settle(choices)`, or the recording is too short for the window.
     """
     tube = setting.choices.tolerance
     if tolerances.tube not in (None, tube):
@@ -91,9 +92,9 @@ def require(setting: Setting, tolerances: Tolerances) -> None:
         if limit.horizon not in names:
             length = setting.time[-1] - setting.time[0]
             raise InputError(
-                f"{tolerances.path}: {limit.place}: {setting.recording.path.name} ({length:.3g} s) holds no window of "
+                f"{tolerances.path}: {limit.place}: {setting.recording.path.name} ({length:.3g} s) has no window of "
                 f"{limit.horizon} with enough known positions; its horizons are {', '.join(names)}. Remove that limit, "
-                "or name limits that suit with --tolerances."
+                "or pass other limits with --tolerances."
             )
 
 
@@ -134,5 +135,5 @@ def _measured(study: Study, limit: Limit, horizon: Horizon) -> tuple[float, str]
 
 _DIFFERENCE = {
     "max_difference_m": lambda difference: float(np.max(np.abs(difference))),
-    "rms_difference_m": lambda difference: float(np.sqrt(np.mean(difference**2))),
+    "rms_difference_m": rms,
 }

@@ -15,7 +15,7 @@
     [mujoco.against_cam."2 s"]   # windows of 2 s, against CAM
     rms_difference_m = 1e-6
 
-Metrics against the measurement are those of metrics.csv, by name or alias; a limit is in the metric's unit.
+Metrics against the measurement are those of metrics.csv, by name or alias; limits are in the metric's unit.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ _DIFFERENCES_BY_ANY_NAME = {key: metric for metric in DIFFERENCES.values() for k
 
 
 def tolerances_for(case_path: Path, file: Path | None = None) -> Tolerances:
-    """The limits of a case: `file` if given, else `tolerances.toml` beside its `rig.toml`, else the package's.
+    """The limits of a case: from `file` if given, else `tolerances.toml` beside `rig.toml`, else the defaults.
 
     Args:
-        case_path: a folder, its `rig.toml`, or a CSV recording, which has no tolerances of its own.
-        file: what the user named.
+        case_path: a folder, its `rig.toml`, or a CSV recording, for which the defaults apply.
+        file: chosen by the user.
 
     Raises:
         InputError: as `read_tolerances`.
@@ -66,13 +66,13 @@ def read_tolerances(path: Path, *, chosen: str = "given") -> Tolerances:
     """Read and check a `tolerances.toml`.
 
     Raises:
-        InputError: the file cannot be read, sets no limit, or names a source, horizon, metric or value that cannot be;
-            the message gives file and table, and what there is.
+        InputError: the file cannot be read, sets no limit, or has an invalid source, horizon, metric or value; the
+            message names file and table and lists valid names.
     """
     try:
         content = tomllib.loads(read_source(path).text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is no valid TOML: {error}.") from None
+        raise InputError(f"{path}: not valid TOML: {error}.") from None
     try:
         tube = _tube(content.pop(TUBE, {}))
         limits = tuple(limit for source, table in content.items() for limit in _limits_of(source, table))
@@ -86,32 +86,32 @@ def read_tolerances(path: Path, *, chosen: str = "given") -> Tolerances:
 
 def _tube(table: Any) -> float | None:
     if not isinstance(table, Mapping):
-        raise InputError(f"{TUBE} is no table. Write [{TUBE}] and below it {TUBE_KEY} = 0.01.")
+        raise InputError(f"{TUBE} is not a table. Write [{TUBE}] and below it {TUBE_KEY} = 0.01.")
     for key in table:
         if key != TUBE_KEY:
-            raise InputError(f"[{TUBE}] has no {key!r}. It has {TUBE_KEY}.")
+            raise InputError(f"[{TUBE}] has no key {key!r}. Its only key is {TUBE_KEY}.")
     if TUBE_KEY not in table:
         return None
     value = _number(f"[{TUBE}] {TUBE_KEY}", table[TUBE_KEY])
     if value <= 0.0:
-        raise InputError(f"[{TUBE}] {TUBE_KEY} = {value:g} is no width. Give a length in metres, as in 0.01.")
+        raise InputError(f"[{TUBE}] {TUBE_KEY} = {value:g} is not positive. Give a length in metres, as in 0.01.")
     return value
 
 
 def _limits_of(source: str, table: Any) -> Iterator[Limit]:
     if source not in SOURCES:
         raise InputError(
-            f"there is no source {source!r}.{did_you_mean(source.lower(), SOURCES)} There are {', '.join(SOURCES)}."
+            f"there is no source {source!r}.{did_you_mean(source.lower(), SOURCES)} Sources are {', '.join(SOURCES)}."
         )
     if not isinstance(table, Mapping):
-        raise InputError(f'{source} is no table. Write [{source}.{WHOLE}] or [{source}."2 s"] above its limits.')
+        raise InputError(f'{source} is not a table. Write [{source}.{WHOLE}] or [{source}."2 s"] above its limits.')
     for horizon, entries in table.items():
         place = f"[{source}.{_key(horizon)}]"
         if horizon == AGAINST_CAM:
             yield from _differences_of(source, place, entries)
         elif not isinstance(entries, Mapping):
             raise InputError(
-                f"[{source}] {horizon} stands under no horizon. "
+                f"[{source}] {horizon} is not in the table of a horizon. "
                 f'Write it under [{source}.{WHOLE}], [{source}."2 s"] or [{source}.{AGAINST_CAM}].'
             )
         else:
@@ -125,7 +125,7 @@ def _differences_of(source: str, place: str, table: Any) -> Iterator[Limit]:
     if source == CAM.name:
         raise InputError(f"{place} compares CAM with itself. Remove it.")
     if not isinstance(table, Mapping):
-        raise InputError(f"{place} is no table. Write {place} and below it max_difference_m = 2e-5.")
+        raise InputError(f"{place} is not a table. Write {place} and below it max_difference_m = 2e-5.")
     for name, entry in table.items():
         if isinstance(entry, Mapping):
             inner = f"{place[:-1]}.{_key(name)}]"
@@ -144,10 +144,10 @@ def _seconds(place: str, horizon: str) -> float | None:
         return None
     match = re.fullmatch(r"(\d+(?:\.\d+)?|\.\d+)\s*s", horizon)
     if match is None or float(match[1]) == 0.0:
-        dotted = " A length with a point stands in quotes." if horizon.isdigit() else ""
+        dotted = " Quote a length that contains a point." if horizon.isdigit() else ""
         raise InputError(
-            f"{place} is no horizon.{did_you_mean(horizon.lower(), (WHOLE, AGAINST_CAM))}{dotted} "
-            f'There are {WHOLE}, windows such as "2 s" or "0.5 s", and {AGAINST_CAM}.'
+            f"{place} is not a horizon.{did_you_mean(horizon.lower(), (WHOLE, AGAINST_CAM))}{dotted} "
+            f'Horizons are {WHOLE}, windows such as "2 s" or "0.5 s", and {AGAINST_CAM}.'
         )
     return float(match[1])
 
@@ -167,19 +167,21 @@ def _difference(place: str, name: str) -> Metric:
         return _DIFFERENCES_BY_ANY_NAME[name.lower()]
     except KeyError:
         near = did_you_mean(name.lower(), _DIFFERENCES_BY_ANY_NAME)
-        raise InputError(f"{place}: there is no metric {name!r}.{near} There are {', '.join(DIFFERENCES)}.") from None
+        raise InputError(f"{place}: there is no metric {name!r}.{near} Metrics are {', '.join(DIFFERENCES)}.") from None
 
 
 def _limit(place: str, name: str, metric: Metric, value: Any) -> float:
     number = _number(f"{place} {name}", value)
     if number < 0.0 and metric.better is not Better.LARGER:
-        raise InputError(f"{place} {name} = {number:g} can never be kept. It limits a size; give a positive number.")
+        raise InputError(
+            f"{place} {name} = {number:g} cannot be satisfied. The metric is a magnitude; give a positive number."
+        )
     return number
 
 
 def _number(place: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{place} = {value!r} is no number. Give a finite number, without quotes or a unit.")
+        raise InputError(f"{place} = {value!r} is not a number. Give a finite number, without quotes or a unit.")
     return float(value)
 
 
@@ -188,10 +190,10 @@ def _each_once(limits: Iterable[Limit]) -> None:
     for limit in limits:
         key = limit.place, limit.metric.name
         if key in seen:
-            raise InputError(f"{limit.place}: {limit.metric.name} is limited twice, under two spellings. Remove one.")
+            raise InputError(f"{limit.place}: {limit.metric.name} has two limits in two spellings. Remove one.")
         seen.add(key)
 
 
 def _key(name: str) -> str:
-    """As it has to be written in TOML."""
+    """`name` as a TOML key, quoted if necessary."""
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else f'"{name}"'

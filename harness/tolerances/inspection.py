@@ -1,6 +1,6 @@
-"""Everything between a user's wish (a case, tweaked parameters, limits) and its checks, in two steps.
+"""From a case, engine parameters and limits to checks, in two steps.
 
-`inspect` reads and settles, and is where bad input shows; `Inspection.checks` runs models and engines, once.
+`inspect` reads and validates all input; `Inspection.checks` then runs models and engines once.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from harness.tolerances.limits import Limit, Tolerances
 
 @dataclass(frozen=True)
 class Inspection:
-    """A case ready to be held to its limits.
+    """A case, prepared for the check of its limits.
 
     Attributes:
         setting: recording, rig, drive, start, horizons.
-        engines: those that run, with their parameters.
+        engines: engines to run, with their parameters.
         tolerances: limits to check.
-        left_out: limits on engines that the user chose not to run.
+        left_out: limits on engines excluded by the user.
         tweaks: parameters that differ from their defaults, as in "mujoco.friction = 0.3 (default 0.5)".
     """
 
@@ -56,25 +56,25 @@ def inspect(
     parameters: Path | None = None,
     tolerances: Path | None = None,
 ) -> Inspection:
-    """Settle a case and its limits.
+    """Reads and validates a case and its limits.
 
     Args:
         path: folder, `rig.toml` or CSV recording.
-        recording: its name in the case, `None` for the first to identify from.
-        engines: those to run; none for those on which there is a limit.
+        recording: name within the case, `None` for the first recording for identification.
+        engines: engines to run; if empty, those with a limit.
         assignments: `engine.parameter=value`.
-        parameters: TOML file with a table an engine; assignments win.
-        tolerances: the limits' file, `None` for the case's own or else the package's.
+        parameters: TOML file with one table per engine; assignments take precedence.
+        tolerances: file of the limits, `None` for the case's own or else the defaults.
 
     Raises:
-        InputError: anything in it cannot be used, or would have no effect.
+        InputError: an input is invalid or would have no effect.
     """
     settings = read_settings(parameters, assignments)
     case = load_case(path)
     limits = tolerances_for(path, tolerances)
     names = tuple(dict.fromkeys(engines)) or limits.engines
     chosen = tuple((engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names))
-    _nothing_in_vain(names, settings, limits)
+    _refuse_unused(names, settings, limits)
     kept = limits.without(set(limits.engines) - set(names))
     setting = prepare(case, kept.settle(Choices(recording=recording, lengths=())))
     require(setting, kept)
@@ -89,15 +89,15 @@ def inspect(
 
 
 def _try_out(setting: Setting, engines: Sequence[tuple[Engine, EngineParameters]]) -> None:
-    """Let every engine build its scene and run to the second stamp: a rig it cannot work with shows here."""
+    """Lets every engine build its scene and run to the second stamp, to detect an unsupported rig early."""
     first = int(setting.horizons[0].first[0])
     for engine, values in engines:
-        with suppress(EngineFailure):  # is found again, and judged, when the engine runs in earnest
+        with suppress(EngineFailure):  # will occur again, and be reported, in the full run
             engine.run(setting.rig, setting.drive, setting.start, setting.time[first : first + 2], parameters=values)
 
 
-def _nothing_in_vain(names: Sequence[str], settings: Mapping[str, Any], limits: Tolerances) -> None:
-    """A parameter of an engine that does not run, or an engine without a limit, would seem to pass."""
+def _refuse_unused(names: Sequence[str], settings: Mapping[str, Any], limits: Tolerances) -> None:
+    """Refuses parameters of an engine that does not run, and engines without a limit."""
     for name in settings:
         if name not in names:
             raise InputError(

@@ -1,4 +1,4 @@
-"""What a limit is: a source, where it is scored, a metric, and the value that the metric has to keep."""
+"""A limit: source, horizon, metric and limiting value."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ DIFFERENCES = {
         Metric("rms_difference_m", "RMS of s − s_CAM", "m", Better.SMALLER, ("rms",)),
     )
 }
-"""Metrics of a source against CAM, by name. CAM is the equation that an ideal engine solves, so that for an engine they
-hold its contact model and its numerics, whatever physics the recording shows."""
+"""Metrics of a source against CAM, by name. An ideal engine solves CAM's equation, so these metrics measure the contact
+model and the numerical error of an engine, independently of the physics in the recording."""
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Limit:
 
     Attributes:
         source: `cam`, `mujoco` …
-        seconds: length of the windows, `None` for the free run over the whole recording [s].
+        seconds: window length, `None` for the free run over the whole recording [s].
         metric: one of `METRICS`, or of `DIFFERENCES` if `against_cam`.
-        value: in the metric's unit: at most, at least, or at most in magnitude, as the metric says.
-        against_cam: whether the source is compared with CAM instead of with the measurement.
+        value: in the metric's unit; upper limit, lower limit, or upper limit of the magnitude (`Metric.better`).
+        against_cam: whether the reference is CAM instead of the measurement.
     """
 
     source: str
@@ -59,7 +59,7 @@ class Limit:
         return ">=" if self.metric.better is Better.LARGER else "<="
 
     def margin(self, value: float) -> float:
-        """Room between `value` and the limit, relative to the limit; negative where the limit is broken."""
+        """Distance of `value` from the limit, relative to the limit; negative if the limit is violated."""
         match self.metric.better:
             case Better.SMALLER:
                 room = self.value - value
@@ -82,10 +82,10 @@ class Tolerances:
     """The limits of a case.
 
     Attributes:
-        path: the file they stand in.
-        chosen: why this file: "given", "of the case" or "defaults of the package".
+        path: their file.
+        chosen: origin of the file: "given", "of the case" or "defaults of the package".
         limits: in the order of the file.
-        tube: half width of the tolerance tube, `None` where the file is silent [m].
+        tube: half width of the tolerance tube, `None` if the file does not set it [m].
     """
 
     path: Path
@@ -95,16 +95,16 @@ class Tolerances:
 
     @property
     def engines(self) -> tuple[str, ...]:
-        """Engines that have to run for the limits to be checked."""
+        """Engines with at least one limit."""
         return tuple(engine for engine in ENGINES if any(limit.source == engine for limit in self.limits))
 
     def without(self, sources: Iterable[str]) -> Tolerances:
-        """The same but for limits on `sources`."""
+        """A copy without limits on `sources`."""
         dropped = set(sources)
         return replace(self, limits=tuple(limit for limit in self.limits if limit.source not in dropped))
 
     def settle(self, choices: Choices) -> Choices:
-        """`choices` with the windows and the tube that the limits need."""
+        """`choices` with the windows and the tube that the limits require."""
         wanted = {*choices.lengths, *(limit.seconds for limit in self.limits if limit.seconds is not None)}
         tube = choices.tolerance if self.tube is None else self.tube
         return replace(choices, lengths=tuple(sorted(wanted)), tolerance=tube)

@@ -1,4 +1,4 @@
-"""The outcome of checks as plain text."""
+"""Prints the outcome of checks as a plain-text table."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _HEAD = ("", "limit", "value", "margin")
 
 
 def render_table(checks: Sequence[Checked]) -> str:
-    """One line a limit with value and margin, broken ones marked and counted; failures below in words."""
+    """One line per limit with value and margin, then failures in words and the number of violated limits."""
     rows = [_HEAD, *(_row(one) for one in checks)]
     width = [max(len(row[i]) for row in rows) for i in range(len(_HEAD))]
     lines = [

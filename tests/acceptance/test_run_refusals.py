@@ -54,9 +54,9 @@ def test_an_unreadable_rig(harness: Harness, case: Path, tmp_path: Path) -> None
 
 
 def test_an_unknown_parameter(harness: Harness, case: Path) -> None:
-    """List the parameters there are."""
+    """List the valid parameters."""
     done = harness("run", case, "--set", "mujoco.frction=0.3")
-    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "There are: time_step, friction,")
+    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "Parameters are: time_step, friction,")
 
 
 def test_a_value_out_of_bounds(harness: Harness, case: Path) -> None:
@@ -65,12 +65,12 @@ def test_a_value_out_of_bounds(harness: Harness, case: Path) -> None:
 
 
 def test_an_unknown_engine(harness: Harness, case: Path) -> None:
-    """List the engines there are."""
+    """List the valid engines."""
     assert_refused(harness("run", case, "--engine", "bullet"), "'bullet'", "mujoco, pybullet, dart")
 
 
 def test_an_unknown_recording(harness: Harness, case: Path) -> None:
-    """List the recordings there are."""
+    """List the valid recordings."""
     assert_refused(harness("run", case, "--recording", "rec_9.csv"), "'rec_9.csv'", "rec_01.csv, rec_02.csv")
 
 

@@ -112,7 +112,7 @@ def test_reasons_hold_the_figures(braked: Study) -> None:
     because = {claim.letter: claim.because for claim in braked.claims}
     cum, fitted = (braked.combinations["R", False, level, none(braked)].rms_error for level in (False, True))
     assert f"from {1e3 * cum:.1f} to {1e3 * fitted:.1f} mm" in because["a"]
-    assert f"friction takes CUM from {1e3 * cum:.1f} to" in because["c"]
+    assert f"friction reduces CUM's error from {1e3 * cum:.1f} to" in because["c"]
 
 
 def none(of: Study) -> object:

@@ -20,8 +20,8 @@ def test_engines_go_by_their_names() -> None:
 
 
 def test_an_unknown_engine_is_refused() -> None:
-    """Name the engines there are."""
-    with pytest.raises(InputError, match=r"no engine 'bullet'; there are mujoco, pybullet, dart"):
+    """List the engines."""
+    with pytest.raises(InputError, match=r"no engine 'bullet'; engines are mujoco, pybullet, dart"):
         engine_of("bullet")
 
 
@@ -73,7 +73,7 @@ def test_settings_of_an_unknown_engine_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"friction = 0.3\n", "friction is no table; write [mujoco] above its settings"),
+        (b"friction = 0.3\n", "friction is not a table; write [mujoco] above its settings"),
         (b"[mujoco\n", "not valid TOML"),
         (b"\xff\xfe\x00", "not valid TOML"),
         (None, "cannot be read"),
@@ -90,7 +90,7 @@ def test_a_bad_file_is_named(tmp_path: Path, content: bytes | None, message: str
 
 
 def test_an_unknown_parameter_is_answered_by_those_that_exist() -> None:
-    """List the parameters there are, and guess the one that was meant."""
+    """List the parameters and suggest one with a similar name."""
     engine = engine_of("mujoco")
     with pytest.raises(InputError) as caught:
         parameters_of(engine, {"frction": 0.3})

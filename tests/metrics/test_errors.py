@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import InputError
-from harness.metrics.comparison import Comparison, trapezoid_weights
 from harness.metrics.displacement import fit_percent, fraction_outside, max_error, rms_error
+from harness.metrics.run_comparison import RunComparison, trapezoid_weights
 from harness.metrics.time_history import absolute_integral
 
 ROUNDING = 1e-12  # relative: sums of at most 1e3 terms lose at most 1e3 ε = 2e-13
@@ -68,7 +68,7 @@ def test_tube_counts_what_lies_outside():
 
 def test_unknown_and_excluded_positions_do_not_count():
     """Leave out blanks and outliers, and bridge them by the trapezoid between their neighbours."""
-    run = Comparison(
+    run = RunComparison(
         time=np.array([0.0, 1.0, 2.0, 3.0, 5.0]),
         measured=np.array([0.0, np.nan, 9.0, 0.0, 0.0]),
         model=np.array([0.1, 7.0, 7.0, 0.3, 0.5]),
@@ -82,7 +82,7 @@ def test_unknown_and_excluded_positions_do_not_count():
 def test_velocity_counts_only_where_both_are_known():
     """Compare velocities at valid stamps that have an estimate, and nowhere without one."""
     time = np.arange(4.0)
-    run = Comparison(
+    run = RunComparison(
         time=time,
         measured=np.array([0.0, np.nan, 0.0, 0.0]),
         model=np.zeros(4),
@@ -90,13 +90,13 @@ def test_velocity_counts_only_where_both_are_known():
         model_velocity=np.full(4, 1.5),
     )
     assert run.velocity_error == pytest.approx([0.5, 0.5])
-    assert Comparison(time=time, measured=np.zeros(4), model=np.zeros(4)).velocity_error.size == 0
+    assert RunComparison(time=time, measured=np.zeros(4), model=np.zeros(4)).velocity_error.size == 0
 
 
 def test_nothing_measured_is_told_to_the_user():
-    """Say between which times nothing is known."""
+    """Name the times between which no position is known."""
     with pytest.raises(InputError, match=r"between t = 2 s and 3 s"):
-        Comparison(time=np.array([2.0, 3.0]), measured=np.full(2, np.nan), model=np.zeros(2))
+        RunComparison(time=np.array([2.0, 3.0]), measured=np.full(2, np.nan), model=np.zeros(2))
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_nothing_measured_is_told_to_the_user():
     ],
 )
 def test_misuse_is_refused(changes, message):
-    """Refuse arrays that do not belong together."""
+    """Refuse arrays of different shapes."""
     arrays = {"time": np.arange(3.0), "measured": np.zeros(3), "model": np.zeros(3)} | changes
     with pytest.raises(ValueError, match=message):
-        Comparison(**arrays)
+        RunComparison(**arrays)

@@ -122,7 +122,7 @@ def test_ranks_have_the_limits_of_the_standard(rating, name):
     ids=["rest", "too short", "run away"],
 )
 def test_undefined_ratings_are_nan(measured, model):
-    """Rate nothing that cannot be rated."""
+    """Return UNDEFINED for short, constant or non-finite signals."""
     assert np.isnan(rate(measured, model)).all()
 
 

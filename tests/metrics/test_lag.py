@@ -11,7 +11,7 @@ TIME = np.arange(0.0, 16.0, 0.01)
 
 
 def motion(time, late=0.0):
-    """A ball going to and fro on a sloppy sine of 0.1 m and 4 s [m]."""
+    """A ball that oscillates by 0.1 m with a period of 4 s, not quite harmonically [m]."""
     t = time - late
     return 0.3 + 0.1 * np.sin(0.5 * np.pi * t) + 0.04 * np.sin(1.3 * np.pi * t + 1.0)
 
@@ -42,7 +42,7 @@ def test_gain_and_drift_are_no_lag(gain, start, speed, level):
 
 
 def test_lag_survives_blanks_and_uneven_stamps():
-    """Use the stamps there are."""
+    """Find the lag on uneven stamps with gaps."""
     rng = np.random.default_rng(3)
     time = np.cumsum(rng.uniform(0.005, 0.015, 1500))
     valid = rng.random(time.size) < 0.6
@@ -85,7 +85,7 @@ def test_noise_scatters_the_lag_as_theory_says():
     ids=["rest", "model at rest", "steady rolling", "steady acceleration"],
 )
 def test_motion_that_does_not_tell_gives_no_lag(measured, model):
-    """Give NaN where a lag is the same as another start."""
+    """Give NaN if a lag is equivalent to another start state."""
     assert np.isnan(lag(TIME, measured(TIME), TIME, model(TIME)))
 
 
@@ -103,7 +103,7 @@ def test_lag_beyond_the_search_is_not_told():
 
 
 def test_run_away_model_has_no_lag():
-    """Give NaN for a model that went to infinity."""
+    """Give NaN for a diverged model."""
     model = motion(TIME)
     model[-1] = np.inf
     assert np.isnan(lag(TIME, motion(TIME), TIME, model))

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.metrics import METRICS, Comparison, horizon_name, score
+from harness.metrics import METRICS, RunComparison, horizon_name, score
 
 TIME = np.arange(0.0, 16.0, 0.01)
 
 
 def run(time=TIME, *, gain=1.0, late=0.0, offset=0.0, noise=0.0, clock=0.0):
-    """A measured ball and a model of it with known faults."""
+    """A measured ball and a model with known errors."""
     rng = np.random.default_rng(0)
 
     def position(t):
@@ -22,7 +22,7 @@ def run(time=TIME, *, gain=1.0, late=0.0, offset=0.0, noise=0.0, clock=0.0):
     def velocity(t):
         return 0.04 * np.pi * np.cos(0.4 * np.pi * t) + 0.033 * np.pi * np.cos(1.1 * np.pi * t)
 
-    return Comparison(
+    return RunComparison(
         time=time + clock,
         measured=0.3 + position(time) + noise * rng.normal(size=time.size),
         model=0.3 + offset + gain * position(time - late),
@@ -33,7 +33,7 @@ def run(time=TIME, *, gain=1.0, late=0.0, offset=0.0, noise=0.0, clock=0.0):
 
 
 def metrics(record):
-    """The metrics of a record by name."""
+    """The metrics of a score by name."""
     return {name: getattr(record, name) for name in METRICS}
 
 
@@ -74,7 +74,7 @@ def test_perfect_model_has_the_best_of_everything():
 @settings(max_examples=15, deadline=None)
 @given(st.floats(-1e3, 1e3))
 def test_clock_does_not_matter(clock):
-    """Give the same record whenever the recording was started."""
+    """Give the same score for any offset of the time stamps."""
     expected, shifted = (metrics(score("cam", run(late=0.02, gain=1.05, noise=5e-4, clock=c))) for c in (0.0, clock))
     # rounding of the stamps may move one noisy stamp (2 mm at 4σ) at either end in or out of the lag's overlap:
     # e ċ / Σ ċ² = 0.002 m / (1500 · 0.1 m/s) = 0.013 ms each
@@ -86,7 +86,7 @@ def test_clock_does_not_matter(clock):
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.8))
 def test_blanks_are_as_if_never_recorded(seed, share):
-    """Give the same record whether unknown stamps are NaN, masked as outliers, or absent from the errors."""
+    """Give the same score whether unknown stamps are NaN, masked as outliers, or absent from the errors."""
     lost = np.random.default_rng(seed).random(TIME.size) < share
     full = run(late=0.02, gain=1.05, noise=5e-4)
     blank = replace(full, measured=np.where(lost, np.nan, full.measured))
@@ -115,7 +115,7 @@ def cut(whole, seconds):
     """The run cut into windows of equal length."""
     window = np.floor(whole.time / seconds + 1e-9).astype(int)
     arrays = {k: v for k, v in asdict(whole).items() if v is not None}
-    return [Comparison(**{k: v[window == w] for k, v in arrays.items()}) for w in range(window.max() + 1)]
+    return [RunComparison(**{k: v[window == w] for k, v in arrays.items()}) for w in range(window.max() + 1)]
 
 
 def test_windows_pool_to_the_whole():
@@ -134,22 +134,22 @@ def test_windows_pool_to_the_whole():
 def test_window_ends_are_summed_up_by_median_and_maximum():
     """Report where predictions of one length end up: typically and at worst."""
     time = np.linspace(0.0, 1.0, 11)
-    windows = [Comparison(time=time, measured=time, model=time * (1.0 + error)) for error in (0.01, -0.02, 0.06)]
+    windows = [RunComparison(time=time, measured=time, model=time * (1.0 + error)) for error in (0.01, -0.02, 0.06)]
     record = score("cam", windows, horizon=horizon_name(1.0))
     assert record.end_error_median_mm == pytest.approx(20.0)
     assert record.end_error_max_mm == pytest.approx(60.0)
 
 
 def test_fit_of_windows_is_against_the_mean_of_each():
-    """Credit no window with motion that other windows made."""
+    """Compare each window's errors with the motion in that window only."""
     time = np.linspace(0.0, 1.0, 11)
     ramp = 0.1 * time
-    windows = [Comparison(time=time, measured=ramp + k, model=ramp + k + 0.01) for k in range(5)]
+    windows = [RunComparison(time=time, measured=ramp + k, model=ramp + k + 0.01) for k in range(5)]
     assert score("cam", windows).fit_percent == pytest.approx(100.0 * (1.0 - 0.01 / np.std(ramp)))
 
 
 def test_run_away_model_meets_no_limit():
-    """Score a model that went to infinity as infinitely wrong instead of failing."""
+    """Give a diverged model infinite errors instead of raising."""
     whole = run()
     model = whole.model.copy()
     model[-100:] = np.nan
@@ -163,8 +163,8 @@ def test_run_away_model_meets_no_limit():
 
 
 def test_unknown_velocity_and_uncertainty_leave_nan():
-    """Leave what was not given undefined rather than 0."""
-    record = score("cam", Comparison(time=TIME, measured=run().measured, model=run().model))
+    """Give NaN, not 0, for metrics whose inputs are missing."""
+    record = score("cam", RunComparison(time=TIME, measured=run().measured, model=run().model))
     assert np.isnan([record.e_vel_m, record.max_velocity_error_m_s, record.rms_velocity_error_m_s]).all()
     assert np.isnan([record.rms_error_over_uncertainty, record.fraction_within_uncertainty]).all()
 
@@ -173,13 +173,13 @@ def test_single_known_position_is_scored():
     """Score a window with one known position: errors there, no integral, no relative metric."""
     measured = np.full(5, np.nan)
     measured[3] = 0.1
-    record = score("cam", Comparison(time=np.arange(5.0), measured=measured, model=np.full(5, 0.11)))
+    record = score("cam", RunComparison(time=np.arange(5.0), measured=measured, model=np.full(5, 0.11)))
     assert record.rms_error_mm == pytest.approx(10.0)
     assert record.duration_s == record.e_disp_m_s == 0.0
     assert np.isnan([record.fit_percent, record.sprague_geers_magnitude, record.lag_ms, record.iso18571_rating]).all()
 
 
 def test_no_window_is_refused():
-    """Refuse to score nothing."""
+    """Refuse an empty list of windows."""
     with pytest.raises(ValueError, match="no window"):
         score("cam", [])

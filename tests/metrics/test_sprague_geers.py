@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.metrics.comparison import Comparison, trapezoid_weights
+from harness.metrics.run_comparison import RunComparison, trapezoid_weights
 from harness.metrics.time_history import sprague_geers
 
 ROUNDING = 1e-12
@@ -53,7 +53,7 @@ def test_zero_of_the_rig_does_not_matter(shift):
     measured, model = 0.3 + 0.1 * np.sin(time), 0.3 + 0.12 * np.sin(1.1 * time)
 
     def errors(offset: float):
-        run = Comparison(time=time, measured=measured + offset, model=model + offset)
+        run = RunComparison(time=time, measured=measured + offset, model=model + offset)
         return sprague_geers(*run.displacement, trapezoid_weights(time))
 
     # positions near 5 m carry 5 ε ≈ 1e-15 m, on displacements of 0.1 m
@@ -68,8 +68,10 @@ def test_estimated_start_replaces_a_noisy_one():
     measured[0] += 0.02
     model = 0.3 + 1.1 * motion
     weights = trapezoid_weights(time)
-    given_start = sprague_geers(*Comparison(time=time, measured=measured, model=model, start=0.3).displacement, weights)
-    first_sample = sprague_geers(*Comparison(time=time, measured=measured, model=model).displacement, weights)
+    given_start = sprague_geers(
+        *RunComparison(time=time, measured=measured, model=model, start=0.3).displacement, weights
+    )
+    first_sample = sprague_geers(*RunComparison(time=time, measured=measured, model=model).displacement, weights)
     # the one bad sample adds (0.02 m)² · 5 ms to ∫m² = 0.05² · 3⁵/5 m² s: 1.6e-5 of it, half of that of M
     assert given_start.magnitude == pytest.approx(0.1, abs=2e-5)
     assert abs(first_sample.magnitude - 0.1) > 1e-3

@@ -1,4 +1,4 @@
-"""Errors are judged against what is not known."""
+"""Errors are compared with the validation uncertainty."""
 
 import numpy as np
 import pytest
@@ -12,14 +12,14 @@ from harness.metrics.validation import (
 
 
 def test_uncertainties_add_as_squares():
-    """Join a sensor's noise with what an angle error has grown to."""
+    """Combine sensor noise with a propagated angle error."""
     time = np.array([0.0, 1.0, 2.0])
     total = validation_uncertainty(0.003, 0.002 * time**2)
     assert total == pytest.approx([0.003, np.sqrt(0.003**2 + 0.002**2), np.sqrt(0.003**2 + 0.008**2)])
 
 
 def test_perfect_model_errs_by_its_uncertainty():
-    """Give a ratio of 1 and a share of 95.4 % if the errors are just what is not known, however fast that grows."""
+    """Give a ratio of 1 and a share of 95.4 % if the errors equal the uncertainty, however fast it grows."""
     rng = np.random.default_rng(2)
     n = 20_000
     uncertainty = validation_uncertainty(0.0005, np.linspace(0.0, 0.05, n))
@@ -30,7 +30,7 @@ def test_perfect_model_errs_by_its_uncertainty():
 
 
 def test_wrong_model_stands_out():
-    """Show an error of the model of three uncertainties as such."""
+    """Give a ratio of 3 for a model error of three uncertainties."""
     uncertainty = np.array([0.001, 0.002, 0.004])
     assert rms_error_over_uncertainty(3.0 * uncertainty, uncertainty) == pytest.approx(3.0)
     assert fraction_within_uncertainty(3.0 * uncertainty, uncertainty) == 0.0

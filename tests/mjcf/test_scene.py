@@ -9,7 +9,7 @@ import pytest
 from analytic.geometry import RAIL_REACH, channel_of
 from analytic.rig import Rig
 from harness.engines.mujoco_parameters import MuJoCoParameters
-from mjcf.scene import ACROSS, BALL_AT, SCENE_FILE, default_option, default_pair, make_scene
+from mjcf.scene import ACROSS, BALL_START, SCENE_FILE, default_option, default_pair, make_scene
 
 PAPER = Rig()
 STEEP = Rig(mass=0.033, inertia=1.32e-6, radius=0.01, rolling_radius=0.007, eccentricity=0.02)  # normals lean 45.6°
@@ -136,12 +136,12 @@ def test_beam_holds_still_and_follows_its_servo() -> None:
     # The ball's weight turns a beam of 1e11 kg m² under a servo of 6π rad/s by m g s/(1e11 ω²) = 7e-15 rad, on which
     # it would roll K g α t²/2 < 1e-12 m in 5 s.
     assert abs(data.joint("pivot").qpos[0]) < 1e-14
-    assert data.joint("ball").qpos[0] == pytest.approx(BALL_AT, abs=1e-12)
+    assert data.joint("ball").qpos[0] == pytest.approx(BALL_START, abs=1e-12)
     data.ctrl[0] = 0.05
     mujoco.mj_step(model, data, nstep=1500)
     # A critically damped servo of 6π rad/s is off by (1 + ω t) e^{−ω t} = 1.6e-11 of its step after 1.5 s.
     assert data.joint("pivot").qpos[0] == pytest.approx(0.05, abs=1e-10)
-    assert BALL_AT < data.joint("ball").qpos[0] < channel_of(PAPER).x_to
+    assert BALL_START < data.joint("ball").qpos[0] < channel_of(PAPER).x_to
     mujoco.mj_step(model, data, nstep=20_000)
     # The stop holds it: its centre one radius before the end, at rest but for what the stop's softness leaves.
     assert data.joint("ball").qpos[0] == pytest.approx(

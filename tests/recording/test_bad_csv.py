@@ -55,18 +55,18 @@ TIME = contract_columns()["time_s"]
 ANGLE = contract_columns()["beam_angle_rad"]
 
 BAD: dict[str, tuple[Callable[[], str], tuple[str, ...]]] = {
-    "empty": (lambda: "", ("holds no data",)),
-    "comments only": (lambda: "# nothing\n\n", ("holds no data",)),
+    "empty": (lambda: "", ("contains no data",)),
+    "comments only": (lambda: "# nothing\n\n", ("contains no data",)),
     "header only": (lambda: LINES[0], ("no rows",)),
     "no header": (lambda: "\n".join(LINES[1:]), ("row 1", "column names", "time_s,beam_angle_rad")),
     "no separator": (lambda: "time angle\n0 0\n", ("row 1", "no separator", "semicolon")),
     "text": (cell(57, 1, "0.1o"), ("row 57", "'beam_angle_rad'", "'0.1o'", "not a number", "blank")),
     "text in position": (cell(9, 2, "lost"), ("row 9", "'ball_position_m'", "'lost'")),
     "units below the header": (line(2, "s,rad,m"), ("row 2", "'s'", "units", "column names")),
-    "infinite": (cell(30, 2, "inf"), ("row 30", "'ball_position_m'", "no measured value")),
-    "overrange": (cell(31, 1, "9.9e37"), ("row 31", "'beam_angle_rad'", "no measured value")),
+    "infinite": (cell(30, 2, "inf"), ("row 30", "'ball_position_m'", "not a measured value")),
+    "overrange": (cell(31, 1, "9.9e37"), ("row 31", "'beam_angle_rad'", "not a measured value")),
     "blank time": (cell(12, 0, ""), ("row 12", "'time_s'", "blank")),
-    "time back": (cell(101, 0, "0.5"), ("row 101", "'time_s'", "goes back from 0.98 to 0.5 s")),
+    "time back": (cell(101, 0, "0.5"), ("row 101", "'time_s'", "decreases from 0.98 to 0.5 s")),
     "short row": (line(44, "0.42,0.01"), ("row 44", "2 cells", "row 1 has 3", "Complete the row")),
     "decimal commas between commas": (line(2, "0,0,0,05,0,3"), ("row 2", "6 cells", "semicolons")),
     "mixed decimal marks": (
@@ -82,18 +82,18 @@ BAD: dict[str, tuple[Callable[[], str], tuple[str, ...]]] = {
     "twice the same": (renamed(ball_position_m="time_s"), ("'time_s' occurs more than once",)),
     "ambiguous": (
         lambda: csv_text({"t": TIME, "beam_angle_rad": ANGLE, "x_m": ANGLE, "position_m": ANGLE}),
-        ("'x_m', 'position_m'", "each be the position", "ball_position_m"),
+        ("'x_m', 'position_m'", "all match the position", "ball_position_m"),
     ),
     "two units of one": (
         lambda: csv_text({"time_ms": TIME, "time_us": TIME, "beam_angle_rad": ANGLE}),
-        ("'time_ms', 'time_us'", "each be the time"),
+        ("'time_ms', 'time_us'", "all match the time"),
     ),
     "few samples": (lambda: "\n".join(LINES[:16]), ("only 15 samples", "20")),
     "seconds under ms": (renamed(time_s="time_ms"), ("'time_ms'", "only 0.012 s long", "unit")),
     "angle missing": (columns(beam_angle_rad=np.full(len(TIME), np.nan)), ("'beam_angle_rad'", "no numbers")),
     "long dropout": (blank_angles(100, 119), ("'beam_angle_rad'", "rows 100-119", "0.21 s", "Split")),
-    "blank start": (blank_angles(2, 3), ("rows 2-3", "first end", "Delete")),
-    "blank end": (blank_angles(1200, 1202), ("rows 1200-1202", "last end", "Delete")),
+    "blank start": (blank_angles(2, 3), ("rows 2-3", "beginning", "Delete")),
+    "blank end": (blank_angles(1200, 1202), ("rows 1200-1202", "end of the recording", "Delete")),
 }
 
 
@@ -117,7 +117,7 @@ def test_refused_with_place_and_advice(tmp_path: Path, name: str) -> None:
     [(b"PK\x03\x04rest", "spreadsheet"), (b"\x00\x01\x02\x00", "binary data"), (b"t\x00i\x00m\x00", "binary data")],
 )
 def test_no_text(tmp_path: Path, raw: bytes, part: str) -> None:
-    """Say that a file is no text instead of complaining about its columns."""
+    """Say that a file is not text instead of complaining about its columns."""
     path = tmp_path / "rec.csv"
     path.write_bytes(raw)
     with pytest.raises(InputError, match=part):

@@ -45,14 +45,14 @@ def test_folder_and_rig_file_are_one_case(folder: Path, name: str) -> None:
 
 
 def test_findings_of_recordings_are_findings_of_the_case(folder: Path) -> None:
-    """Show what is said about each recording, under its name."""
+    """List the findings of each recording under its name."""
     case = load_case(folder)
     assert set(case.recordings["b.csv"].findings) <= set(case.findings)
     assert any(finding.where.startswith("b.csv") for finding in case.findings)
 
 
 def test_bare_csv_is_of_the_paper(tmp_path: Path) -> None:
-    """Take a CSV by itself for a recording of the paper's rig, with the resolutions it shows."""
+    """Read a bare CSV as a recording of the paper's rig, with inferred resolutions."""
     case = load_case(write(tmp_path / "run.csv"))
     assert case.rig.complete() == Rig()
     assert case.rig.unknown == ()
@@ -67,7 +67,7 @@ def test_bare_csv_is_of_the_paper(tmp_path: Path) -> None:
 def test_bare_csv_beside_a_rig_file(folder: Path) -> None:
     """Warn that a rig.toml is not used when only a CSV beside it is named."""
     (warning,) = warnings(load_case(folder / "a.csv"))
-    assert "not used" in warning
+    assert "ignored" in warning
 
 
 def test_folder_without_rig_file(folder: Path) -> None:
@@ -86,7 +86,7 @@ def test_rig_file_without_lists(folder: Path) -> None:
 
 
 def test_stray_csv_without_lists(folder: Path) -> None:
-    """Say how to leave a file out when it turns out to be no recording."""
+    """Say how to leave a CSV out that is not a recording."""
     (folder / "rig.toml").write_text("[ball]\nmass_kg = 0.071\n", encoding="utf-8")
     (folder / "results.csv").write_text("time_s,ball_position_m\n0,0.3\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"results\.csv.*no column 'beam_angle_rad'.*\[recordings\] identify"):
@@ -94,14 +94,14 @@ def test_stray_csv_without_lists(folder: Path) -> None:
 
 
 def test_missing_recording(folder: Path) -> None:
-    """Name the recording that is listed and not there, and the one that may be meant."""
+    """Name the missing recording, and an existing one with a similar name."""
     (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.cvs"]\n', encoding="utf-8")
     with pytest.raises(InputError, match=r"rig\.toml: .*'a\.cvs'.*Did you mean 'a\.csv'"):
         load_case(folder)
 
 
 def test_listed_twice(folder: Path) -> None:
-    """Refuse a recording that would count twice."""
+    """Refuse a recording that is listed twice."""
     (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.csv", "a.csv"]\n', encoding="utf-8")
     with pytest.raises(InputError, match="more than once"):
         load_case(folder)
@@ -114,38 +114,38 @@ def test_predicting_what_was_identified_from(folder: Path) -> None:
         text = f'[recordings]\nidentify = ["a.csv"]\npredict = ["{predict}"]\n'
         (folder / "rig.toml").write_text(text, encoding="utf-8")
         (warning,) = warnings(load_case(folder))
-        assert "do not predict what was identified from" in warning
+        assert "do not predict a recording used for identification" in warning
 
 
 def test_nothing_listed(folder: Path) -> None:
     """Refuse a list without recordings."""
     (folder / "rig.toml").write_text("[recordings]\n", encoding="utf-8")
-    with pytest.raises(InputError, match="lists no recording"):
+    with pytest.raises(InputError, match=r"\[recordings\] is empty"):
         load_case(folder)
 
 
 def test_identifying_without_positions(folder: Path) -> None:
-    """Warn when a recording to identify from holds no position."""
+    """Warn if a recording for identification has no position."""
     columns = contract_columns()
     del columns["ball_position_m"]
     write(folder / "a.csv", columns)
-    assert any("nothing can be identified" in text for text in warnings(load_case(folder)))
+    assert any("cannot be used for identification" in text for text in warnings(load_case(folder)))
 
 
 def test_empty_folder(tmp_path: Path) -> None:
     """Refuse a folder without recordings."""
-    with pytest.raises(InputError, match="holds no CSV recording"):
+    with pytest.raises(InputError, match="contains no CSV recording"):
         load_case(tmp_path)
 
 
 def test_path_misspelt(folder: Path) -> None:
-    """Suggest the neighbour that may be meant."""
+    """Suggest a file with a similar name."""
     with pytest.raises(InputError, match=r"no such file or folder\. Did you mean .*rig\.toml"):
         load_case(folder / "rig.tml")
 
 
 def test_bad_recording_spoils_the_case(folder: Path) -> None:
-    """Return nothing in part: an unusable recording is an error of the whole case."""
+    """Refuse the whole case if one recording is invalid."""
     (folder / "b.csv").write_text("time_s,beam_angle_rad\n0,zero\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"b\.csv, row 2, column 'beam_angle_rad'"):
         load_case(folder)

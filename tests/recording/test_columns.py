@@ -68,7 +68,7 @@ def test_any_order_unit_and_spelling(tmp_path: Path, chosen: list[tuple[Quantity
     ],
 )
 def test_short_names(header: str, name: QuantityName, factor: float) -> None:
-    """Understand the names that notebooks use."""
+    """Accept common aliases of the column names."""
     sound = {"time": "time_s", "angle": "beam_angle_rad"}
     row = [header, *(column for quantity, column in sound.items() if quantity != name)]
     columns, _ = find_columns(Path("rec.csv"), row, 1)
@@ -77,20 +77,20 @@ def test_short_names(header: str, name: QuantityName, factor: float) -> None:
 
 
 def test_contract_name_wins() -> None:
-    """Prefer the column of the contract to the same quantity under another name, and say what is not used."""
+    """Prefer the standard column name to an alias, and note the unused column."""
     columns, findings = find_columns(Path("rec.csv"), ["time_s", "beam_angle_deg", "beam_angle_rad", "x"], 1)
     assert columns["angle"].index == 2
     assert any("not used: 'beam_angle_deg'" in finding.text for finding in findings)
 
 
 def test_missing_unit_is_said() -> None:
-    """Take a column without a unit for SI, and say so."""
+    """Read a column without a unit as SI, and note it."""
     _, findings = find_columns(Path("rec.csv"), ["t", "alpha_rad", "s_m"], 1)
     assert [finding.where for finding in findings] == ["rec.csv, row 1, column 't'"]
     assert "time_s" in findings[0].text
 
 
 def test_sound_header_has_no_findings() -> None:
-    """Say nothing about the contract's own header."""
+    """Note nothing about the standard header."""
     _, findings = find_columns(Path("rec.csv"), ["time_s", "beam_angle_rad", "ball_position_m"], 1)
     assert findings == []

@@ -77,7 +77,7 @@ def test_unknown_positions(tmp_path: Path, blank: str) -> None:
     np.testing.assert_array_equal(recording.position, columns["ball_position_m"])
     assert not recording.known[200:].any()
     unknown = len(recording.time) - 200
-    assert any(f"not known in {unknown} of" in finding.text for finding in recording.findings)
+    assert any(f"unknown in {unknown} of" in finding.text for finding in recording.findings)
 
 
 def test_without_positions(tmp_path: Path) -> None:

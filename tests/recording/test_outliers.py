@@ -48,7 +48,7 @@ def test_ends_are_guarded() -> None:
 
 
 def test_impact_and_step_are_no_spikes() -> None:
-    """Leave alone a ball that bounces off a stop, and a record that jumps and stays there."""
+    """Mark neither a ball that bounces off an end stop nor a lasting step."""
     time = np.arange(600) * 0.01
     noise = np.random.default_rng(4).normal(0, NOISE, len(time))
     bounce = 0.4 - 0.3 * np.abs(time - 3.0)
@@ -58,7 +58,7 @@ def test_impact_and_step_are_no_spikes() -> None:
 
 
 def test_noise_that_grows_with_distance() -> None:
-    """Take the scale from nearby: the paper's laser has 0.3 mm below 400 mm and 0.8 mm above."""
+    """Estimate the noise locally: the paper's laser has 0.3 mm below 400 mm and 0.8 mm above."""
     time = np.arange(4000) * 0.01
     path = 0.4 + 0.15 * np.sin(0.5 * time)
     sigma = np.where(path < 0.4, 3e-4, 8e-4)
@@ -87,19 +87,19 @@ def test_recording_keeps_its_spikes(tmp_path: Path) -> None:
 
 
 def test_glitch_of_the_angle(tmp_path: Path) -> None:
-    """Warn of a spike in the angle, by which every model would be thrown, and name its row."""
+    """Warn of a spike in the angle, which drives every model, and name its row."""
     columns = contract_columns()
     columns["beam_angle_rad"] = columns["beam_angle_rad"].copy()
     columns["beam_angle_rad"][700] += 0.1
     recording = load_recording(write(tmp_path / "rec.csv", columns))
     np.testing.assert_array_equal(recording.angle, columns["beam_angle_rad"])
     (finding,) = recording.findings
-    assert "angles stand out" in finding.text
+    assert "angles are outliers" in finding.text
     assert "row 702" in finding.text
 
 
 def test_unknown_positions_are_no_spikes() -> None:
-    """Mark nothing where the position is not known, and see spikes beside such places."""
+    """Mark no unknown position, and detect spikes beside unknown positions."""
     time, _, clean = simulated()
     position = clean.copy()
     position[300:500] = np.nan

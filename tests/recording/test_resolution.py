@@ -15,7 +15,7 @@ MOTION = 0.05 * np.sin(0.9 * TIME) + 0.02 * np.sin(2.3 * TIME)
 
 
 def counted(values: np.ndarray, step: float, offset: float = 0.0) -> np.ndarray:
-    """Values as a sensor that counts in `step` gives them."""
+    """Values of a sensor of resolution `step`."""
     return np.round((values - offset) / step) * step + offset
 
 
@@ -44,13 +44,13 @@ def test_unit_conversion() -> None:
 
 
 def test_levels_that_never_occurred() -> None:
-    """Find the step although most levels are never seen."""
+    """Find the step although most levels never occur."""
     values = np.cumsum(RNG.integers(2, 9, size=300)) * 1.22e-4
     assert inferred_resolution(values) == pytest.approx(1.22e-4, rel=1e-9)
 
 
 def test_noise_printed_to_decimals() -> None:
-    """Take the last digit for the step where noise covers anything else."""
+    """Return the last printed digit if noise hides any coarser step."""
     values = np.round(MOTION + RNG.normal(0, 3e-4, len(MOTION)), 4)
     assert inferred_resolution(values) == pytest.approx(1e-4, rel=1e-9)
 
@@ -61,5 +61,5 @@ def test_noise_printed_to_decimals() -> None:
     ids=("smooth", "noise", "constant", "unknown", "empty", "few"),
 )
 def test_no_step(values: np.ndarray) -> None:
-    """Claim no step where there is none to see."""
+    """Return None for unquantised or too few values."""
     assert inferred_resolution(values) is None

@@ -81,7 +81,7 @@ def test_everything_is_read(tmp_path: Path, encoding: str) -> None:
 
 
 def test_nothing_is_assumed(tmp_path: Path) -> None:
-    """Leave unknown what an empty file does not say."""
+    """Leave every quantity of an empty file unknown."""
     content = read_rig_file(write(tmp_path, ""))
     assert content.rig == KnownRig()
     assert content.rig.unknown == ("mass", "inertia", "radius", "rolling_radius", "eccentricity", "gravity")
@@ -97,14 +97,14 @@ def test_inertia_is_not_guessed(tmp_path: Path) -> None:
 
 
 BAD = {
-    "syntax": ("[ball]\nmass_kg = \n", ("no valid TOML", "line 2", "'mass_kg ='")),
-    "decimal comma": ("[ball]\nradius_m = 0,0132\n", ("line 2", "'radius_m = 0,0132'", "Decimals take a point")),
-    "unit": ("[ball]\nradius_m = 13.2 mm\n", ("no valid TOML", "line 2", "'radius_m = 13.2 mm'")),
-    "unknown table": ("[bal]\nmass_kg = 1\n", ("[bal] is no known table", "Did you mean 'ball'?")),
+    "syntax": ("[ball]\nmass_kg = \n", ("not valid TOML", "line 2", "'mass_kg ='")),
+    "decimal comma": ("[ball]\nradius_m = 0,0132\n", ("line 2", "'radius_m = 0,0132'", "Use a decimal point")),
+    "unit": ("[ball]\nradius_m = 13.2 mm\n", ("not valid TOML", "line 2", "'radius_m = 13.2 mm'")),
+    "unknown table": ("[bal]\nmass_kg = 1\n", ("[bal] is an unknown table", "Did you mean 'ball'?")),
     "unknown key": ("[ball]\nradius_mm = 13.2\n", ("[ball] radius_mm", "Did you mean 'radius_m'?")),
-    "foreign key": ("[beam]\nradius_m = 0.0132\n", ("[beam] radius_m", "wrong place", "[ball]")),
-    "key outside": ("mass_kg = 1\n", ("mass_kg", "wrong place", "[ball]")),
-    "strange key outside": ("masss = 1\n", ("masss", "in no table")),
+    "foreign key": ("[beam]\nradius_m = 0.0132\n", ("[beam] radius_m", "wrong table", "[ball]")),
+    "key outside": ("mass_kg = 1\n", ("mass_kg", "wrong table", "[ball]")),
+    "strange key outside": ("masss = 1\n", ("masss", "outside any table")),
     "text for a number": ('[ball]\nmass_kg = "71 g"\n', ("[ball] mass_kg = '71 g'", "not a number", "without quotes")),
     "true for a number": ("[ball]\nmass_kg = true\n", ("[ball] mass_kg", "not a number")),
     "zero": ("[ball]\nmass_kg = 0\n", ("[ball] mass_kg", "positive", "delete the line")),
@@ -124,7 +124,7 @@ BAD = {
     "number for a name": ("[recordings]\nidentify = [1]\n", ("[recordings] identify.0", "text")),
     "r above R": (
         "[ball]\nradius_m = 0.01\n[beam]\nrolling_radius_m = 0.0118\n",
-        ("cannot exist", "rolling_radius 0.0118", "0.01 m", "units"),
+        ("impossible rig", "rolling_radius 0.0118", "0.01 m", "units"),
     ),
     "inertia of a wheel": ("[ball]\nmass_kg = 0.071\nradius_m = 0.0132\ninertia_kg_m2 = 4.9e-3\n", ("m R²", "units")),
     "level in degrees": ("[beam]\nlevel_angle_rad = 3\n", ("level_angle", "45°")),
@@ -184,9 +184,9 @@ def test_incomplete_rig_names_what_is_missing() -> None:
 
 
 def test_impossible_completion() -> None:
-    """Refuse an estimate that makes a rig which cannot exist."""
+    """Refuse an estimate that makes an impossible rig."""
     known = KnownRig(mass=0.07, inertia=5e-6, radius=0.0132, eccentricity=0.035, gravity=9.81)
-    with pytest.raises(InputError, match="cannot exist: rolling_radius"):
+    with pytest.raises(InputError, match="impossible: rolling_radius"):
         known.complete(rolling_radius=0.02)
 
 

@@ -23,7 +23,7 @@ def texts(recording: Recording, severity: str) -> list[str]:
 
 
 def test_even_sampling_is_not_mentioned(tmp_path: Path) -> None:
-    """Find nothing in a sound recording."""
+    """Report nothing for an even recording."""
     assert load(tmp_path).findings == ()
 
 
@@ -42,16 +42,16 @@ def test_duplicates_are_averaged(tmp_path: Path) -> None:
 
 
 def test_duplicate_with_one_unknown_position(tmp_path: Path) -> None:
-    """Average only what is known in rows of the same time."""
+    """Average only known values of rows with the same time."""
     time, position = TIME.copy(), POSITION.copy()
     time[50], position[50] = time[49], np.nan
     assert load(tmp_path, time_s=time, ball_position_m=position).position[49] == POSITION[49]
 
 
 def test_coarse_stamps_are_explained(tmp_path: Path) -> None:
-    """Say that stamps are printed too coarsely when many coincide."""
+    """Say that time stamps have too few digits if many coincide."""
     (warning,) = texts(load(tmp_path, time_s=np.floor(TIME / 0.02) * 0.02), "warning")
-    assert "too coarsely" in warning
+    assert "too few digits" in warning
 
 
 def test_short_angle_dropout_is_bridged(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_gap_in_time_is_placed(tmp_path: Path) -> None:
 
 
 def test_jitter_is_measured(tmp_path: Path) -> None:
-    """Note uneven steps with figures, and leave the stamps as they are."""
+    """Note uneven sampling with its size, and keep the stamps."""
     time = TIME + np.random.default_rng(2).uniform(-1e-3, 1e-3, len(TIME))
     recording = load(tmp_path, time_s=time)
     np.testing.assert_array_equal(recording.time, time)
@@ -86,7 +86,7 @@ def test_jitter_is_measured(tmp_path: Path) -> None:
 
 
 def test_start_of_clock_does_not_matter(tmp_path: Path) -> None:
-    """Accept stamps that count from another day."""
+    """Accept stamps with a large offset."""
     recording = load(tmp_path, time_s=TIME + 86_400.0)
     assert recording.time[0] == 86_400.0
     assert texts(recording, "warning") == []

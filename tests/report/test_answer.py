@@ -43,27 +43,29 @@ def test_the_closest_source_with_its_error():
     """Name the closest source, its RMS error with standard error, and the horizon."""
     first = sentences(FACTS)[0]
     assert "Friction (viscous) is closest to the recording over windows of 2 s: 10.0 ± 1.2 mm RMS" in first
-    assert "ahead of the next, CAM (30.0 mm), beyond doubt" in first
+    assert "significantly less than the next, CAM (30.0 mm)" in first
 
 
 def test_rivals_that_cannot_be_told_apart_are_named():
-    """Name rivals within the recording's uncertainty, and do not call the best ahead of them."""
+    """Name sources within the recording's uncertainty, and claim no significant difference from them."""
     text = said(standings=[BEST, replace(CAM, separated=False), replace(MUJOCO, separated=False)])
-    assert "CAM and MuJoCo cannot be told from it" in text
-    assert "beyond doubt" not in text
+    assert "CAM and MuJoCo cannot be distinguished from it" in text
+    assert "significantly less" not in text
 
 
 def test_sources_of_equal_motion_are_one_answer():
-    """Do not crown one of several sources that give the same motion."""
+    """Name all sources that give the same motion."""
     alike = [replace(CAM, same=True, separated=False), replace(MUJOCO, same=True, separated=False)]
     text = said(standings=[*alike, replace(BEST, same=False, rms=0.04)], still=0.2)
     assert "CAM and MuJoCo are closest" in text
     assert "both give the same motion" in text
 
 
-@pytest.mark.parametrize(("rms", "words"), [(0.077, "more than a ball"), (0.040, "not much less than a ball")])
+@pytest.mark.parametrize(
+    ("rms", "words"), [(0.077, "more than a stationary"), (0.040, "not much less than a stationary")]
+)
 def test_no_source_is_praised_for_standing_still(rms, words):
-    """Refuse to name a model to trust where the closest explains no more than a ball that stays in place."""
+    """Recommend no model if the closest is hardly better than a stationary ball."""
     text = said(standings=[replace(BEST, rms=rms), CAM], shorter=(1.0, "cam", 0.004))
     assert "No source follows the recording over windows of 2 s" in text
     assert words in text
@@ -71,38 +73,38 @@ def test_no_source_is_praised_for_standing_still(rms, words):
 
 
 def test_error_beyond_uncertainty_asks_for_a_diagnosis():
-    """Say that physics is missing, and which command looks for it, where the error exceeds 2 u_val."""
+    """Report missing physics, and the command that identifies it, if the error exceeds 2 u_val."""
     assert "lack physics" in said()
     assert "`harness diagnose my_case`" in said()
 
 
 def test_error_within_uncertainty_asks_for_nothing():
-    """Do not send the user after physics where E/u_val is about 1."""
+    """Report no missing physics if E/u_val is about 1."""
     text = said(over_uncertainty=1.1)
     assert "no evidence against it" in text
     assert "diagnose" not in text
 
 
 def test_declared_effects_are_owned_up_to():
-    """Say beyond which declared effects physics is missing."""
+    """Name the declared effects that do not explain the error."""
     assert "beyond the declared rolling resistance" in said(declared=["rolling_resistance"])
 
 
 def test_engines_that_agree_with_cam():
-    """Say to what the engines agree with CAM."""
-    assert "MuJoCo repeats CAM within 2.0 µm" in said()
+    """Report how closely the engines agree with CAM."""
+    assert "MuJoCo agrees with CAM within 2.0 µm" in said()
 
 
 @pytest.mark.parametrize(
     ("engine", "advice"),
-    [(EngineFact("mujoco", 5e-3, 4e-3, 1e-4), "lower it"), (EngineFact("mujoco", 5e-3, 1e-4, 4e-3), "stiffen it")],
+    [(EngineFact("mujoco", 5e-3, 4e-3, 1e-4), "reduce it"), (EngineFact("mujoco", 5e-3, 1e-4, 4e-3), "stiffen it")],
 )
 def test_engines_that_depart_from_cam(engine, advice):
-    """Say by how much an engine departs from CAM, which part does it, and what to do."""
+    """Report an engine's difference from CAM, its main part, and the remedy."""
     text = said(engines=[engine])
-    assert "MuJoCo departs from CAM by up to 5.0 mm" in text
+    assert "MuJoCo differs from CAM by up to 5.0 mm" in text
     assert advice in text
-    assert "repeats" not in text
+    assert "agrees" not in text
 
 
 def test_a_failed_engine_is_named():
@@ -112,14 +114,14 @@ def test_a_failed_engine_is_named():
 
 
 def test_why_the_free_run_counts_or_not():
-    """Explain the headline horizon: inputs leave more open than the ball moves, or less."""
-    assert "is no test of a model" in said()
+    """Explain the headline horizon: u_val exceeds the ball's own motion, or not."""
+    assert "is not informative" in said()
     assert "200 mm" in said()
-    assert "80.0 mm RMS of real motion" in said()
-    assert "is a fair test" in said(seconds=None, end_u_val=0.020)
+    assert "80.0 mm RMS of the ball's own motion" in said()
+    assert "is informative" in said(seconds=None, end_u_val=0.020)
 
 
 def test_no_finite_motion_at_all():
-    """Say it where every source ran away."""
+    """Report that all sources diverge."""
     answer = sentences(replace(FACTS, standings=[replace(BEST, rms=np.inf)]))
-    assert answer[0] == "No source gave a finite motion over windows of 2 s."
+    assert answer[0] == "All sources diverge over windows of 2 s."

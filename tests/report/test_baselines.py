@@ -22,7 +22,7 @@ ONE = 1e-3 * np.array([1.0, 2.0, 1.5, 2.5, 1.2, 1.8])
     ids=["both beaten", "one perhaps", "one not", "too few"],
 )
 def test_the_answer_goes_with_the_margins(integrator, black_box, said):
-    """Say that both are beaten only where both intervals lie beyond 0."""
+    """Claim a significant improvement only if both intervals are above 0."""
     own = ONE[: len(integrator)]
     made = BaselineComparison({BEFORE: 2.0 * own, AFTER: own, INTEGRATOR: integrator, BLACK_BOX: black_box})
     assert said in _answer(made)

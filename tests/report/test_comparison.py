@@ -179,14 +179,14 @@ def test_simulated_data_are_never_called_measured(page, text):
 
 def test_findings_are_there(text):
     """Show what was found in the input on the first screen, with its place."""
-    assert "1 of 601 positions stand out" in text
+    assert "1 of 601 positions are outliers" in text
     assert "row 302" in text.split("How errors grow")[0]
 
 
 def test_failures_are_prominent(text):
     """Name a failed engine, when and why, before anything else is said."""
     alert = text.index("broken failed at t = 0.300 s: the ball left the groove")
-    assert alert < text.index("PyBullet repeats CAM")
+    assert alert < text.index("PyBullet agrees with CAM")
     assert text.index("broken failed") < alert, "the badge beside the title"
 
 

@@ -100,7 +100,7 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
     """Say the verdict in words, before the first picture, with the value that was put in."""
     top = html[: html.index("<figure>")]
     assert re.search(r"A rolling resistance of 0\.00(39|40)\d* ± \S+ was missing", top)
-    assert "the held-out error falls from" in top
+    assert "the held-out error decreases from" in top
     assert "simulated data" in top
 
 
@@ -119,7 +119,7 @@ def test_errors_stand_by_source_and_horizon(html):
     """Print CAM and both engines before and after, a dash and the message where one failed, and where effects enter."""
     part = html[html.index('id="errors"') :]
     tables = [
-        part[part.index(f"<caption>{name}") :].split("</table>")[0] for name in ("Held out", "Found from", "Also")
+        part[part.index(f"<caption>{name}") :].split("</table>")[0] for name in ("Held out", "Identification", "Also")
     ]
     for table in tables[:2]:
         heads = re.findall(r"<th scope=\"col\".*?>(.*?)</th>", table)
@@ -192,8 +192,8 @@ def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
     none = replace(diagnosis, verdict=Verdict.NONE, effects=(), found=diagnosis.base, heldout=diagnosis.heldout)
     page = render_diagnosis(none, as_record(none, case, 1.0, input_hashes(case)), case)
-    assert "Nothing is missing beyond the noise" in page
-    assert "What was missing" not in page
+    assert "No missing effect was found" in page
+    assert "Effects found (" not in page
     assert 'id="rivals"' not in page
 
 
@@ -224,5 +224,5 @@ def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))
     page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
-    nodes = page[page.index("Nodes of the curve") :].split("</table>")[0]
+    nodes = page[page.index("Nodes of the spline term") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(curve.nodes)

@@ -38,7 +38,7 @@ def test_it_says_what_to_run_and_what_to_expect() -> None:
     answer = html[html.index('class="answer"') : html.index("<figure>")]
     assert "To tell rolling radius from position gain, run the profile “slow swing”" in answer
     assert "expected separation 7.4 σ (0.8 σ on the data at hand)" in answer
-    table = html[html.index("What it would tell apart") :].split("</table>")[0]
+    table = html[html.index("Expected discrimination") :].split("</table>")[0]
     assert [re.findall(r">(\d\.\d)<", row) for row in table.split("<tr")[2:]] == [
         ["0.8", "7.4", "2.4"],
         ["2.0", "9.1", "2.4"],
@@ -51,14 +51,14 @@ def test_it_says_which_effects_would_be_seen() -> None:
     """Say of each effect of typical size whether it would be seen."""
     html = page(proposal(SEEN))
     assert "it shows 1 of 2 (position lag at 6.9 σ)" in html
-    table = html[html.index("What it would show") :].split("</table>")[0]
+    table = html[html.index("Expected detection of effects") :].split("</table>")[0]
     assert re.search(r"position_lag.*yes", table)
     assert re.search(r"contact_slip.*no", table)
 
 
 def test_the_chosen_profile_stands_out() -> None:
     """List every profile that was tried, the best first, and set the chosen one apart."""
-    table = page(proposal(APART)).split("Every profile that the rig can make")[1]
+    table = page(proposal(APART)).split("All profiles within the operating envelope")[1]
     assert re.findall(r'<tr class="(\w*)"', table)[:2] == ["best", ""]
     assert table.index(LIBRARY[0].name) < table.index(LIBRARY[1].name)
 

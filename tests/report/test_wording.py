@@ -41,7 +41,7 @@ def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] 
 def test_one_effect(plain: Posed) -> None:
     """Name it in words, with its size and what it brings."""
     assert said(plain, Verdict.EFFECT, (ROLLING,)) == (
-        "A rolling resistance of 0.0041 ± 0.0004 was missing; the held-out error falls from 174 mm to 0.30 mm."
+        "A rolling resistance of 0.0041 ± 0.0004 was missing; the held-out error decreases from 174 mm to 0.30 mm."
     )
 
 
@@ -49,8 +49,8 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
     """Say both, angles in degrees, and what one of them cannot be told from."""
     level = IdentifiedEffect("level_error", LEVEL.parameters, ("track_curvature",))
     assert said(plain, Verdict.EFFECT, (ROLLING, level)) == (
-        "A rolling resistance of 0.0041 ± 0.0004 and a level error of −0.1432 ± 0.0006° (or track curvature, which "
-        "these recordings do not tell from it) were missing; the held-out error falls from 174 mm to 0.30 mm."
+        "A rolling resistance of 0.0041 ± 0.0004 and a level error of −0.1432 ± 0.0006° (indistinguishable from "
+        "track curvature) were missing; the held-out error decreases from 174 mm to 0.30 mm."
     )
 
 
@@ -64,18 +64,18 @@ def test_a_curve(plain: Posed, depends: Depends, friction: bool) -> None:
     assert DEPENDENCES[depends] in text
     force = 1e3 * plain.problem.rig.mass * 0.05
     assert ("0.050 of the normal force" if friction else f"up to {force:.1f} mN") in text
-    assert "beside a rolling resistance of 0.0041 ± 0.0004; the held-out error falls" in text
+    assert "in addition to a rolling resistance of 0.0041 ± 0.0004; the held-out error decreases" in text
 
 
 def test_nothing(plain: Posed) -> None:
-    """Say that nothing is missing, and how large the error is."""
+    """Report that nothing was found, and the held-out error."""
     text = said(plain, Verdict.NONE)
-    assert text.startswith("Nothing is missing beyond the noise")
+    assert text.startswith("No missing effect was found")
     assert text.endswith("the held-out error is 174 mm.")
 
 
 def test_what_cannot_be_told(plain: Posed) -> None:
-    """Name what would have gone unseen, and count what is too much to name."""
+    """Name effects below the detection limit, and count further ones."""
     unseen = ("rolling_resistance", "level_error", "track_bump", "angle_gain", "contact_slip", "position_lag", "x", "y")
     assert "rolling resistance, level error, track bump, angle gain, contact slip and 3 more" in said(
         plain, Verdict.NOT_IDENTIFIABLE, unseen=unseen
@@ -83,18 +83,18 @@ def test_what_cannot_be_told(plain: Posed) -> None:
 
 
 def test_what_is_left_unexplained(plain: Posed) -> None:
-    """Say by how much more is left than the angle's error leaves, where nothing explains it."""
+    """Report the unexplained process noise relative to its floor."""
     text = said(plain, Verdict.NOT_IDENTIFIABLE, left=54.0)
-    assert "54 times as hard as the error of the angle" in text
+    assert "the process noise is 54 times its floor" in text
     assert "no law that was tried" in text
 
 
 def test_short_recordings_tell_what_they_can(plain: Posed) -> None:
-    """Fall back on the longest windows, or say that nothing could be held out; never call a rise a fall."""
+    """Use the longest windows, or report that the recordings are too short; name an increase as such."""
     window = said(plain, Verdict.EFFECT, (ROLLING,), rms=({"1 s": 0.02}, {"1 s": 0.001}))
-    assert "the held-out error over 1 s falls from 20.0 mm to 1.0 mm" in window
+    assert "the held-out error over 1 s decreases from 20.0 mm to 1.0 mm" in window
     assert "too short" in said(plain, Verdict.EFFECT, (ROLLING,), rms=({}, {}))
-    assert "does not fall but goes from 1.0 mm to" in said(
+    assert "increases from 1.0 mm to" in said(
         plain, Verdict.EFFECT, (ROLLING,), rms=({"whole": 0.001}, {"whole": 0.002})
     )
 

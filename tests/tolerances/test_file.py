@@ -72,29 +72,29 @@ def test_engines_can_be_held_against_cam(tmp_path: Path) -> None:
         ("[mujocco.whole]\nmax = 1\n", ["mujocco", "mujoco", "pybullet", "cam"]),
         ("[mujoco.whole]\nmax_eror_m = 1\n", ["[mujoco.whole]", "max_eror_m", "max_error_m"]),
         ("[mujoco.hole]\nmax = 1\n", ["[mujoco.hole]", "whole", "against_cam"]),
-        ("[mujoco.2.5s]\nmax = 1\n", ["[mujoco.2]", "quotes"]),
-        ('[mujoco."0 s"]\nmax = 1\n', ['[mujoco."0 s"]', "no horizon"]),
+        ("[mujoco.2.5s]\nmax = 1\n", ["[mujoco.2]", "Quote a length"]),
+        ('[mujoco."0 s"]\nmax = 1\n', ['[mujoco."0 s"]', "not a horizon"]),
         ("[mujoco]\nmax_error_m = 1\n", ["[mujoco] max_error_m", "[mujoco.whole]"]),
-        ("mujoco = 1\n", ["mujoco is no table", "[mujoco.whole]"]),
+        ("mujoco = 1\n", ["mujoco is not a table", "[mujoco.whole]"]),
         ("[mujoco.whole]\nmax_difference_m = 1\n", ["[mujoco.whole] max_difference_m", "[mujoco.against_cam]"]),
         ("[mujoco.against_cam]\nmax_error_m = 1\n", ["[mujoco.against_cam]", "max_error_m", "max_difference_m"]),
         ("[cam.against_cam]\nmax = 1\n", ["[cam.against_cam]", "itself"]),
-        ("[mujoco]\nagainst_cam = 1\n", ["[mujoco.against_cam] is no table"]),
-        ("[mujoco.whole]\nmax = '1 mm'\n", ["[mujoco.whole] max", "'1 mm'", "no number"]),
-        ("[mujoco.whole]\nmax = true\n", ["[mujoco.whole] max", "no number"]),
+        ("[mujoco]\nagainst_cam = 1\n", ["[mujoco.against_cam] is not a table"]),
+        ("[mujoco.whole]\nmax = '1 mm'\n", ["[mujoco.whole] max", "'1 mm'", "not a number"]),
+        ("[mujoco.whole]\nmax = true\n", ["[mujoco.whole] max", "not a number"]),
         ("[mujoco.whole]\nmax = nan\n", ["[mujoco.whole] max", "finite"]),
-        ("[mujoco.whole]\nmax = -1\n", ["[mujoco.whole] max", "never be kept"]),
-        ("[mujoco.whole]\nlag = -1\n", ["[mujoco.whole] lag", "never be kept"]),
-        ('[cam."2 s"]\nmax = 1\n[cam.2s]\nmax_error_m = 2\n', ["cam 2 s", "max_error_m", "twice"]),
+        ("[mujoco.whole]\nmax = -1\n", ["[mujoco.whole] max", "cannot be satisfied"]),
+        ("[mujoco.whole]\nlag = -1\n", ["[mujoco.whole] lag", "cannot be satisfied"]),
+        ('[cam."2 s"]\nmax = 1\n[cam.2s]\nmax_error_m = 2\n', ["cam 2 s", "max_error_m", "two limits"]),
         ("[tube]\ntolerance_mm = 1\n[cam.whole]\nmax = 1\n", ["[tube]", "tolerance_mm", "tolerance_m"]),
         ("[tube]\ntolerance_m = 0\n[cam.whole]\nmax = 1\n", ["[tube] tolerance_m", "metres"]),
-        ("tube = 0.01\n[cam.whole]\nmax = 1\n", ["tube is no table"]),
+        ("tube = 0.01\n[cam.whole]\nmax = 1\n", ["tube is not a table"]),
         ("# nothing\n", ["sets no limit"]),
-        ("[cam.whole\nmax = 1\n", ["no valid TOML", "line 1"]),
+        ("[cam.whole\nmax = 1\n", ["not valid TOML", "line 1"]),
     ],
 )
 def test_what_cannot_be_is_named_with_its_place(tmp_path: Path, text: str, named: list[str]) -> None:
-    """Name file, table and entry that cannot be worked with, and what there is instead."""
+    """Name file, table and invalid entry, and list the valid ones."""
     path = written(tmp_path, text)
     with pytest.raises(InputError) as caught:
         read_tolerances(path)

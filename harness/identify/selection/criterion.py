@@ -18,6 +18,7 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.metrics.paired import Margin, rms_reduction
+from harness.numerics import rms
 
 
 class Rule(StrEnum):
@@ -173,13 +174,13 @@ class Criterion:
 
     def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """What was found is kept if the windows of recordings that it was not fitted to are predicted better."""
-        before, after = (_rms(each) for each in (evidence.before, evidence.after))
+        before, after = (rms(each) for each in (evidence.before, evidence.after))
         kept = after < before
         return kept, f"predicts held-out windows {'better' if kept else 'worse'}: {after:.3g} m for {before:.3g} m RMS"
 
     def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """A candidate is kept if it predicts held-out windows better beyond chance, and best of its round."""
-        before, after = (_rms(each) for each in (evidence.before, evidence.after))
+        before, after = (rms(each) for each in (evidence.before, evidence.after))
         sure = self.reduction(evidence).sure
         text = f"predicts held-out windows by {after:.3g} m RMS instead of {before:.3g} m"
         if not sure:
@@ -226,7 +227,3 @@ class Criterion:
 
 def _lowers(gain: float) -> str:
     return f"lowers the quasi-BIC by {gain:.1f}"
-
-
-def _rms(errors: tuple[float, ...]) -> float:
-    return float(np.sqrt(np.mean(np.square(errors))))

@@ -1,8 +1,6 @@
-"""Is the model better than the baselines? All predict the same 3 s from the same 2 s, of pieces that none has seen.
+"""Comparison of the model with the baselines: all predict the same 3 s from the same 2 s of held-out recordings.
 
-The model's filter, too, knows only the two seconds before a window. How far it trusts its own law within these is its
-process noise; the likeliest for the next reading need not be the best for the next seconds, where the model or the
-sensor errs in a way that is not white. For this contest it is chosen on the pieces that everything is fitted to.
+The process noise of the model's filter is tuned on the windows that everything is fitted to (`tuned_to_windows`).
 """
 
 from __future__ import annotations
@@ -19,6 +17,7 @@ from harness.identify.problem.windows import AHEAD, KNOWN, windows_of
 from harness.identify.validation.baselines import fit_double_integrator, fit_output_error
 from harness.identify.validation.held_out import HeldOut
 from harness.metrics.paired import Margin, rms_reduction
+from harness.numerics import rms
 
 BEFORE, AFTER = "before", "after"
 INTEGRATOR, BLACK_BOX = "double_integrator", "output_error"
@@ -41,7 +40,7 @@ class BaselineComparison:
 
     def rms(self, source: str) -> float:
         """Over all windows, which count alike [m]."""
-        return float(_rms(self.errors[source]))
+        return rms(self.errors[source])
 
     def margin(self, baseline: str) -> Margin | None:
         """By how much the model with what was found is better; `None` for too few windows."""
@@ -89,7 +88,3 @@ def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = lambda 
     if not errors[AFTER]:
         return None
     return BaselineComparison({name: np.array(each) for name, each in errors.items()})
-
-
-def _rms(errors: FloatArray, axis: int = -1) -> Any:
-    return np.sqrt(np.mean(np.square(errors), axis=axis))

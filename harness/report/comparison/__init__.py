@@ -1,4 +1,4 @@
-"""The report of `harness run`: one recording, every model and engine. A section is one module and one line here."""
+"""The report of `harness run`: all models and engines on one recording; one module per section."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SECTIONS: tuple[Callable[[Subject], Section | None], ...] = (
     inputs.section,
     reproduce.section,
 )
-"""In the order of the page; a section that has nothing to say is `None`."""
+"""In the order of the page; a section that does not apply returns `None`."""
 
 
 def render_comparison(
@@ -48,10 +48,10 @@ def render_comparison(
     """The comparison report as HTML text.
 
     Args:
-        study: what is reported.
+        study: the comparison.
         manifest: hashes, versions, settings, as written to manifest.json.
-        checks: results of tolerance checks, if any were asked for.
-        command: what repeats the run; empty for the manifest's.
+        checks: outcomes of tolerance checks, if requested.
+        command: to repeat the run; empty for the manifest's.
     """
     subject = Subject(study, manifest, tuple(checks), command or str(manifest.get("command", "")))
     sections = [made for section in SECTIONS if (made := section(subject)) is not None]

@@ -1,4 +1,4 @@
-"""Which choice pays: every combination of radius, α̈ term, levelling error and friction, each fitted at its best."""
+"""Ablation section: all combinations of radius, α̈ term, level angle and friction law, each fitted."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 
-_LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # of the heat table: small error light, large error dark
+_LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # RGB of smallest and largest error in the heat map
 _COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
 
 
@@ -24,14 +24,14 @@ def section(subject: Subject) -> Section:
     study = subject.study
     return Section(
         "ablation",
-        "Which term pays, and what separates CAM from CUM",
+        "Ablation: contribution of each model term",
         "Ablation",
         "comparison/ablation.html",
         {
             "heat": _heat(subject),
             "fitted": _fitted(subject),
             "differences": Table(
-                f"How far one choice moves the ball {subject.over(study.headline)}",
+                f"Displacement of the ball by one choice, {subject.over(study.headline)}",
                 [Column("choice", text=True), Column("RMS"), Column("largest")],
                 [Row((one.choice, length(one.rms), length(one.largest))) for one in study.differences],
             ),
@@ -58,7 +58,7 @@ def _heat(subject: Subject) -> Table:
             share = 1.0 if not error < math.inf else (math.log(max(error, math.exp(low))) - low) / (high - low)
             cells.append(_heat_cell(number(error), share, error <= least))
         rows.append(Row(tuple(cells)))
-    caption = f"RMS error in mm {subject.over(subject.study.headline)}: the darker the worse; the best is framed"
+    caption = f"RMS error in mm {subject.over(subject.study.headline)}; darker is larger, the smallest is framed"
     return Table(caption, columns, rows)
 
 
@@ -70,14 +70,14 @@ def _heat_cell(text: str, share: float, best: bool) -> Markup:
 
 
 def _fitted(subject: Subject) -> Table:
-    """What the fits found, for CUM's and CAM's form."""
+    """Fitted parameters of CUM and CAM for each friction law."""
     chosen: list[Combination] = [
         subject.study.combinations[key]
         for reading in Reading
         for key in (("R", False, True, reading), ("r", True, True, reading))
     ]
     columns = [
-        Column("form", text=True),
+        Column("model", text=True),
         Column("friction", text=True),
         Column("α₀", "deg"),
         Column("f_b"),

@@ -1,4 +1,4 @@
-"""Why each engine is off: its step size, its contact model, or physics that no model here has."""
+"""Attribution section: each engine's error split into step size, contact model and missing physics."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from harness.report.tables import Column, Row, Table
 _PARTS = {
     "numerical": ("step size", "#0072B2", "engine − engine at dt → 0"),
     "contact": ("contact model", "#E69F00", "engine at dt → 0 − CAM"),
-    "physics": ("physics no model has", "#882255", "CAM − recording"),
+    "physics": ("missing physics", "#882255", "CAM − recording"),
 }
-_SEEN = 1e-9  # shorter lengths are not drawn [m]
+_MIN_DRAWN = 1e-9  # lower limit of the logarithmic axis [m]
 
 
 def section(subject: Subject) -> Section | None:
-    """The attribution of each engine whose free runs succeeded."""
+    """The section; `None` if no engine ran."""
     parts = subject.study.attributions
     if not subject.study.engines:
         return None
@@ -35,7 +35,7 @@ def section(subject: Subject) -> Section | None:
         "duration": subject.duration,
     }
     return Section(
-        "attribution", "Where the engines' errors come from", "Attribution", "comparison/attribution.html", context
+        "attribution", "Attribution of the engines' errors", "Attribution", "comparison/attribution.html", context
     )
 
 
@@ -49,9 +49,7 @@ def _table(parts: tuple[Attribution, ...]) -> Table:
         rms, shares = one.rms(), one.shares()
         cells = [cell for name in _PARTS for cell in (length(rms[name]), _share(shares[name]))]
         rows.append(Row((swatch(one.source), number(1e3 * one.time_step), *cells, length(rms["total"]))))
-    return Table(
-        "Parts of each engine's error over the whole free run; they add up to it without remainder", columns, rows
-    )
+    return Table("Parts of each engine's error in the whole free run; their sum is the error", columns, rows)
 
 
 def _share(value: float) -> str:
@@ -63,7 +61,7 @@ def _picture(subject: Subject, parts: tuple[Attribution, ...]) -> Picture:
     with style():
         figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
         grid = figure.subplots(1, len(parts), sharey=True, squeeze=False)[0]
-        highest = _SEEN
+        highest = _MIN_DRAWN
         for axes, one in zip(grid, parts, strict=True):
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(FixedLocator([1e-9, 1e-6, 1e-3, 1.0]))
@@ -72,17 +70,17 @@ def _picture(subject: Subject, parts: tuple[Attribution, ...]) -> Picture:
             for name, (title, colour, _) in _PARTS.items():
                 size = np.where(one.use, np.abs(getattr(one, name)), np.nan)
                 highest = max(highest, float(np.nanmax(size)))
-                axes.plot(time, np.maximum(size, _SEEN), color=colour, linewidth=1.2, label=title)
+                axes.plot(time, np.maximum(size, _MIN_DRAWN), color=colour, linewidth=1.2, label=title)
             axes.set_title(label_of(one.source))
             axes.set_xlabel("time [s]")
             axes.set_xlim(time[0], time[-1])
-        grid[0].set_ylim(_SEEN, 3.0 * highest)
-        grid[0].set_ylabel("size of each part")
+        grid[0].set_ylim(_MIN_DRAWN, 3.0 * highest)
+        grid[0].set_ylabel("magnitude of each part")
         handles, labels = grid[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=3)
         alt = (
-            "Size of the numerical, contact and physics parts of the error of "
+            "Magnitude of the numerical, contact and physics parts of the error of "
             f"{', '.join(label_of(p.source) for p in parts)}."
         )
-        caption = "Size of the three parts over the whole free run, logarithmic: what lies decades below cannot matter."
+        caption = "Magnitude of the three parts in the whole free run, logarithmic."
         return picture(figure, alt, caption)

@@ -1,4 +1,4 @@
-"""Tolerance checks: each limit, what was found, how much room is left."""
+"""Section on tolerance checks: each limit with value and margin."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from harness.report.tables import Column, Row, Table
 
 
 def section(subject: Subject) -> Section | None:
-    """The checks, if any were asked for."""
+    """The section; `None` if no checks were requested."""
     if not subject.checks:
         return None
     columns = [
@@ -22,7 +22,7 @@ def section(subject: Subject) -> Section | None:
         Column("value"),
         Column("limit"),
         Column("unit", text=True),
-        Column("room left", "%"),
+        Column("margin", "%"),
         Column("result", text=True),
     ]
     rows = [
@@ -36,14 +36,14 @@ def section(subject: Subject) -> Section | None:
                 "" if one.unit == "1" else one.unit,
                 fixed(100.0 * one.margin, 0),
                 Markup('<span class="badge {}">{}</span>').format(
-                    *(("good", "kept") if one.passed else ("bad", "missed"))
+                    *(("good", "kept") if one.passed else ("bad", "broken"))
                 ),
             ),
             "" if one.passed else "failed",
         )
         for one in sorted(subject.checks, key=lambda one: one.passed)
     ]
-    missed = sum(not one.passed for one in subject.checks)
-    text = f"{missed} of {len(rows)} limits are missed" if missed else f"All {len(rows)} limits are kept"
-    table = Table(f"{text}; the missed ones come first.", columns, rows)
+    broken = sum(not one.passed for one in subject.checks)
+    text = f"{broken} of {len(rows)} limits are broken" if broken else f"All {len(rows)} limits are kept"
+    table = Table(f"{text}; broken ones come first.", columns, rows)
     return Section("checks", "Tolerances", "Checks", "comparison/checks.html", {"table": table})

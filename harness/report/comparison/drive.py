@@ -1,4 +1,4 @@
-"""The drive: how the recorded angle was read, and the smooth α, α̇, α̈ that every source was given."""
+"""Section on the drive: sensor model of the recorded angle, and the smoothed α, α̇, α̈ used by every source."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK
 from harness.report.plots import WIDTH, Picture, band, frame, picture, style, thinning
 
 _COLOUR = "#0B6E63"
-_SOUND = (0.7, 1.4)  # of the residual ratio; beyond, readings scatter other than their sensor should
-_DETAIL = 1.5  # [s]
+_PLAUSIBLE_RATIO = (0.7, 1.4)  # of residual to expected scatter; outside, the declared sensor is probably wrong
+_DETAIL_DURATION = 1.5  # of the enlarged plot [s]
 
 
 def section(subject: Subject) -> Section:
@@ -25,29 +26,25 @@ def section(subject: Subject) -> Section:
     sensor = drive.sensor
     noise = f"{number(math.degrees(sensor.noise))}°"
     if sensor.rounded:
-        how = (
-            f"as an encoder with counts of {number(math.degrees(sensor.resolution))}° (rounding, not noise, limits it)"
-        )
+        how = f"encoder with counts of {number(math.degrees(sensor.resolution))}° (limited by quantisation, not noise)"
     elif sensor.resolution > 0.0:
-        how = f"as a noisy reading, σ = {noise}, in steps of {number(math.degrees(sensor.resolution))}°"
+        how = f"noisy readings, σ = {noise}, in steps of {number(math.degrees(sensor.resolution))}°"
     else:
-        how = f"as a continuous noisy reading, σ = {noise}"
-    low, high = _SOUND
+        how = f"continuous noisy readings, σ = {noise}"
+    low, high = _PLAUSIBLE_RATIO
     if drive.residual_ratio > high:
-        verdict = (
-            "larger than the sensor explains: its noise or resolution is declared too small, or the angle has spikes"
-        )
+        verdict = "larger than expected: the declared noise or resolution is too small, or the angle has spikes"
     elif drive.residual_ratio < low:
-        verdict = "smaller than the sensor explains: its noise or resolution may be declared too large"
+        verdict = "smaller than expected: the declared noise or resolution may be too large"
     else:
-        verdict = "as this sensor explains"
+        verdict = "as expected"
     context = {
         "how": how,
         "noise_estimated": sensor.estimated,
         "ratio": drive.residual_ratio,
         "verdict": verdict,
         "picture": _picture(subject),
-        "std": [float(np.degrees(np.sqrt(np.mean(column**2)))) for column in drive.std.T],
+        "std": [float(np.degrees(rms(column))) for column in drive.std.T],
     }
     return Section("drive", "The drive", "Drive", "comparison/drive.html", context)
 
@@ -59,7 +56,7 @@ def _picture(subject: Subject) -> Picture:
     with style():
         figure = Figure(figsize=(WIDTH, 6.2), layout="constrained")
         panels = figure.subplot_mosaic([["angle", "detail"], ["rate", "rate"], ["acceleration", "acceleration"]])
-        for name, title in (("angle", "beam angle"), ("detail", "a closer look where it is fastest")):
+        for name, title in (("angle", "beam angle"), ("detail", "detail at the largest rate")):
             axes: Axes = panels[name]
             axes.plot(
                 time, recorded, ".", color="#777777", markersize=2.2, markeredgewidth=0, rasterized=True, zorder=2
@@ -69,9 +66,9 @@ def _picture(subject: Subject) -> Picture:
             axes.set_ylabel(r"$\alpha$ [deg]")
             axes.set_xlim(time[0], time[-1])
         fastest = float(time[int(np.argmax(np.abs(drive.states[:, 1])))])
-        begin = min(max(fastest - 0.5 * _DETAIL, time[0]), max(time[-1] - _DETAIL, time[0]))
-        near = (time >= begin) & (time <= begin + _DETAIL)
-        panels["detail"].set_xlim(begin, begin + _DETAIL)
+        begin = min(max(fastest - 0.5 * _DETAIL_DURATION, time[0]), max(time[-1] - _DETAIL_DURATION, time[0]))
+        near = (time >= begin) & (time <= begin + _DETAIL_DURATION)
+        panels["detail"].set_xlim(begin, begin + _DETAIL_DURATION)
         frame(panels["detail"], recorded[near], margin=0.08)
         for line in panels["detail"].lines[:1]:
             line.set_markersize(4.0)
@@ -89,8 +86,8 @@ def _picture(subject: Subject) -> Picture:
             "standard deviations."
         )
         caption = (
-            f"Dots: {subject.measured} angle. Lines: what every source was driven with; bands: ± 2 σ of each. "
-            "Derivatives are those of one smoothing spline, never differences of readings."
+            f"Dots: {subject.measured} angle. Lines: smoothed signals that drive every source; bands: ± 2 σ. "
+            "α̇ and α̈ are derivatives of the smoothing spline, not differences of readings."
         )
         return picture(figure, alt, caption)
 

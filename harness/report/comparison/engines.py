@@ -1,4 +1,4 @@
-"""Did the engines behave: failures first, then what was watched during their runs, then their settings."""
+"""Section on the engines: failures, health of their runs, settings."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from harness.report.tables import Column, Row, Table
 _COLUMNS = [
     Column("engine", text=True),
     Column("horizon", text=True),
-    Column("runs", "sound of all"),
+    Column("runs", "valid of all"),
     Column("steps"),
     Column("contacts", "fewest–most"),
-    Column("least normal force", "N"),
+    Column("smallest normal force", "N"),
     Column("height error"),
-    Column("off the middle"),
+    Column("lateral offset"),
     Column("slip", "mm/s"),
     Column("angle error", "rad"),
 ]
@@ -45,18 +45,16 @@ def section(subject: Subject) -> Section | None:
         {
             "failures": [(run.horizon.name, str(failure)) for run in runs for failure in run.failures],
             "warnings": sorted(warnings),
-            "table": Table(
-                "Extremes over all runs; an unsound run is refused, never scored", _COLUMNS, [_row(r) for r in runs]
-            ),
+            "table": Table("Extremes over all runs; failed runs are not scored", _COLUMNS, [_row(r) for r in runs]),
             "settings": settings,
         },
     )
 
 
 def _row(run: SourceRuns) -> Row:
-    sound, count = len(run.health), len(run.health) + len(run.failures)
+    valid, count = len(run.health), len(run.health) + len(run.failures)
     cells = _extremes(run.health) if run.health else ("—",) * 7
-    return Row((swatch(run.source), run.horizon.name, f"{sound} of {count}", *cells), "failed" if run.failures else "")
+    return Row((swatch(run.source), run.horizon.name, f"{valid} of {count}", *cells), "failed" if run.failures else "")
 
 
 def _extremes(health: Sequence[Health]) -> tuple[str, ...]:

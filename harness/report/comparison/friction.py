@@ -1,4 +1,4 @@
-"""The readings of the paper's friction force: which can be a force at all, and which take energy out."""
+"""Section on the readings of the paper's friction law: dimensional consistency and dissipation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LAWS = {
 
 
 def force(reading: Reading, rig: Rig, velocity: np.ndarray) -> np.ndarray:
-    """F_f [N] of a reading on a level beam at `velocity` [m/s], same shape; it acts against +ṡ where positive."""
+    """F_f [N] of a reading on a level beam at `velocity` [m/s], same shape; positive values oppose +ṡ."""
     weight, tanh = rig.mass * rig.gravity, np.tanh(velocity / rig.transition_velocity)
     factor = {
         Reading.PRINTED: tanh * weight * velocity,
@@ -47,16 +47,16 @@ def section(subject: Subject) -> Section:
     columns = [
         Column("reading", text=True),
         Column("law", text=True),
-        Column("unit f_b must have", text=True),
-        Column("fits the printed N s/m", text=True),
+        Column("required unit of f_b", text=True),
+        Column("consistent with N s/m", text=True),
         Column("dissipates", text=True),
-        Column("in words", text=True),
+        Column("remark", text=True),
     ]
     words = {
-        Reading.PRINTED: "tanh(ṡ/v_t)·ṡ is even: for ṡ < 0 the force drives the ball",
-        Reading.PRINTED_DISSIPATIVE: "made to brake both ways; grows with speed like a viscous force",
-        Reading.COULOMB: "dry friction, rounded near rest; does not hold a ball at rest",
-        Reading.VISCOUS: "the only reading in which the printed unit is right",
+        Reading.PRINTED: "tanh(ṡ/v_t)·ṡ is even: for ṡ < 0 the force accelerates the ball",
+        Reading.PRINTED_DISSIPATIVE: "dissipative in both directions; grows with speed like a viscous force",
+        Reading.COULOMB: "dry friction, smoothed near rest; does not hold a ball at rest",
+        Reading.VISCOUS: "the only reading consistent with the printed unit",
     }
     rows = [
         Row(
@@ -76,7 +76,7 @@ def section(subject: Subject) -> Section:
     )
     return Section(
         "friction",
-        "What the friction model may have meant",
+        "Readings of the friction law",
         "Friction",
         "comparison/friction.html",
         {"table": table, "picture": _picture(subject)},
@@ -110,6 +110,6 @@ def _picture(subject: Subject) -> Picture:
         )
         caption = (
             "Force and power of each reading with this run's f_b and v_t, on a level beam, over the speeds of "
-            "this recording. Power above zero feeds energy in."
+            "this recording. Positive power adds energy."
         )
         return picture(figure, alt, caption)

@@ -1,4 +1,4 @@
-"""How errors grow with the length of a run, and what a run over the whole recording is worth."""
+"""Section on errors by horizon, compared with u_val and a stationary ball."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def section(subject: Subject) -> Section:
 
 
 def floor(subject: Subject, horizon: Horizon) -> float:
-    """RMS of u_val on a horizon [m]: what a perfect model would still be off by."""
+    """RMS of u_val on a horizon [m]: the expected error of a perfect model."""
     return float(np.sqrt(np.nanmean(subject.study.u_val_of(horizon) ** 2)))
 
 
@@ -72,21 +72,18 @@ def _growth(subject: Subject) -> Picture:
         bottom = 0.5 * min(floors)
         axes.fill_between(seconds, bottom, floors, color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0, zorder=1)
         axes.plot(seconds, still, color=INK, linewidth=1.1, linestyle=(0, (1, 2)), zorder=2)
-        entries.append(
-            Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (1, 2)), label="ball that stays in place")
-        )
+        entries.append(Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (1, 2)), label="stationary ball"))
         entries.append(Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, label=r"$u_\mathrm{val}$: a perfect model"))
         axes.set_ylim(bottom, 2.0 * largest)
         axes.set_xlabel("length of the runs [s]; the last is the whole recording")
         axes.set_ylabel("RMS error [mm]")
         figure.legend(handles=entries, loc="outside right upper", handlelength=2.6)
         alt = f"RMS position error of every source against the length of the runs, {number(seconds[0])} to " + (
-            f"{number(seconds[-1])} s, with the floor u_val and the error of a ball that stays in place."
+            f"{number(seconds[-1])} s, with u_val and the error of a stationary ball."
         )
         caption = (
-            "RMS error against the length of the runs (bars: standard error over the windows). A source below "
-            "the dotted "
-            "line tells something about the motion; one within the grey area cannot be improved on with this recording."
+            "RMS error against the length of the runs (bars: standard error over windows). A source below the dotted "
+            "line predicts better than a stationary ball; the error of one within the grey area is explained by u_val."
         )
         return picture(figure, alt, caption)
 
@@ -104,7 +101,7 @@ def _table(subject: Subject) -> Table:
         cells = [plus_minus(one.rms_error_mm, one.rms_error_standard_error_mm) for one in scores]
         rows.append(Row((swatch(standing.source), *cells)))
     rows.append(_reference("u_val: a perfect model", [floor(subject, one) for one in horizons]))
-    rows.append(_reference("a ball that stays in place", [still_error(study, one) for one in horizons]))
+    rows.append(_reference("stationary ball", [still_error(study, one) for one in horizons]))
     return Table(f"RMS error of the ball's position against the {subject.recording}, ± standard error", columns, rows)
 
 

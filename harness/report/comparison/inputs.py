@@ -1,4 +1,4 @@
-"""What went in: the rig with what was given, estimated or assumed, the sensors, declared effects, findings."""
+"""Section on the inputs: rig (given, estimated, assumed), sensors, declared effects, findings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _QUANTITIES = {  # field of Rig: name, unit as printed, factor to it
     "friction_coefficient": ("f_b of the friction models", "by reading", 1.0),
     "transition_velocity": ("v_t of the friction models", "mm/s", 1e3),
 }
-_ESTIMATED = {  # how an estimate's name begins: field of Rig
+_ESTIMATED = {  # beginning of an estimate's name: field of Rig
     "eccentricity": "eccentricity",
     "level angle": "level_angle",
     "rolling radius": "rolling_radius",
@@ -69,11 +69,11 @@ def _rig(subject: Subject) -> Table:
         estimate = estimates.get(name)
         text = number(value, 4) if estimate is None else plus_minus(value, estimate.std * factor)
         rows.append(Row((title, text, unit, *_status(subject, name, estimate))))
-    return Table("The rig that every source ran with", columns, rows)
+    return Table("Rig used by every source", columns, rows)
 
 
 def _field(estimate: Estimate) -> str:
-    """The quantity of `Rig` an estimate is of; empty for the rolling ratio, which is of none alone."""
+    """The field of `Rig` that an estimate refers to; empty for the rolling ratio, which combines several."""
     return next((name for start, name in _ESTIMATED.items() if estimate.name.startswith(start)), "")
 
 
@@ -84,21 +84,21 @@ def _status(subject: Subject, name: str, estimate: Estimate | None) -> tuple[str
             return "estimated", estimate.how
         return "assumed", estimate.how.removeprefix("assumed: ")
     if name in ("friction_coefficient", "transition_velocity"):
-        return "assumed", "the paper's Table 1, fitted there to another rig"
+        return "assumed", "the paper's Table 1, fitted to another rig"
     if name == "level_angle" and setting.choices.level_angle is not None:
         return "given", "on the command line"
     if getattr(setting.case.rig, name) is not None:
         return "given", "rig.toml" if setting.case.sha256 else "the paper's Table 1 (there is no rig.toml)"
     if name == "level_angle":
-        return "assumed", "the recorded angle is taken as level"
-    return "assumed", "only the rolling ratio K matters to the ball's motion, not this quantity alone"
+        return "assumed", "zero of the recorded angle"
+    return "assumed", "the ball's motion depends only on the rolling ratio K"
 
 
 def _sensors(subject: Subject) -> Table:
     setting = subject.study.setting
     declared, drive, ball = setting.case.sensors, setting.drive.sensor, setting.ball
     columns = [Column("sensor", text=True), Column("value"), Column("status", text=True)]
-    step = "given" if declared.angle_resolution else "found in the record"
+    step = "given" if declared.angle_resolution else "inferred from the readings"
     rows = [
         Row(
             (
@@ -114,7 +114,7 @@ def _sensors(subject: Subject) -> Table:
     ]
     if declared.position_resolution:
         rows.append(Row(("position, resolution", length(declared.position_resolution), "given")))
-    return Table("The sensors as they were read", columns, rows)
+    return Table("Sensor models", columns, rows)
 
 
 def _start_how(subject: Subject) -> str:

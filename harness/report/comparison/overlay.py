@@ -1,4 +1,4 @@
-"""The picture everybody wants first: the recording against all sources."""
+"""Figure of the recording and all sources over time."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from harness.report.plots import (
     band,
     frame,
     joined,
+    label_exits,
     line,
     mark_exits,
     measured_line,
     picture,
     sample,
     style,
-    tell_exits,
 )
 from harness.report.standing import Standing, standings
 
 Exit = tuple[float, bool]
-"""When a line leaves the frame [s], and whether upwards."""
+"""Time at which a line leaves the frame [s], and whether upwards."""
 
 
 def overlay(subject: Subject, horizon: Horizon) -> Picture:
-    """Positions of all sources on one horizon, framed by the recording's own range."""
+    """Positions of all sources on one horizon; y limits from the range of the recording."""
     ranked = subject.ranked if horizon is subject.study.headline else standings(subject.study, horizon)
     with style():
         figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
@@ -52,7 +52,7 @@ def overlay(subject: Subject, horizon: Horizon) -> Picture:
             entries.append(entry)
             exits += [] if left is None else [left]
         if horizon.seconds is None:
-            tell_exits(axes, exits)
+            label_exits(axes, exits)
         axes.set_xlabel("time [s]")
         axes.set_ylabel("ball position $s$ [m]")
         legend = figure.legend(
@@ -64,7 +64,7 @@ def overlay(subject: Subject, horizon: Horizon) -> Picture:
 
 
 def _draw_recording(subject: Subject, horizon: Horizon, axes: Axes) -> FloatArray:
-    """Draw the recording, its band and where runs begin; return the positions shown [m]."""
+    """Draws the recording, its uncertainty band and the starts of runs; returns the positions shown [m]."""
     study = subject.study
     setting, u_val = study.setting, study.u_val_of(horizon)
     position = np.where(setting.ball.trusted, setting.recording.position, np.nan)
@@ -104,8 +104,5 @@ def _caption(subject: Subject, horizon: Horizon) -> str:
         "first. "
     )
     if horizon.seconds is not None:
-        text += "Dots: where every source starts anew from the estimated state. "
-    return text + (
-        "Grey: where a perfect model could lie (± 2 u_val: sensor, angle and start). Triangles: a source leaves "
-        "the frame."
-    )
+        text += "Dots: restarts from the estimated state. "
+    return text + ("Grey: ± 2 u_val, the expected error of a perfect model. Triangles: a source leaves the frame.")

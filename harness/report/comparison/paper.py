@@ -1,4 +1,4 @@
-"""The paper's Table 2 beside this recording, and its three claims put to the test."""
+"""Section on the paper: its Table 2 next to this recording, and tests of its three claims."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _KIND = {Verdict.CONFIRMED: "good", Verdict.REFUTED: "bad", Verdict.UNDECIDABLE:
 
 
 def section(subject: Subject) -> Section:
-    """The paper's page."""
+    """The section."""
     study = subject.study
     horizons = [subject.whole] if study.headline is subject.whole else [subject.whole, study.headline]
     return Section(
         "paper",
-        "The paper, held against this recording",
+        "The paper's claims on this recording",
         "Paper",
         "comparison/paper.html",
         {
@@ -50,7 +50,7 @@ def _table(subject: Subject, horizon: Horizon) -> Table:
         here = [number(getattr(score, key)) for score in scores]
         rows.append(Row((f"{title} [{unit}]", *printed, *here)))
     kind = "simulated recording" if subject.simulated else "recording"
-    return Table(f"Table 2 of the paper beside this {kind}, {subject.over(horizon)}", columns, rows)
+    return Table(f"Table 2 of the paper and this {kind}, {subject.over(horizon)}", columns, rows)
 
 
 def _as_printed(value: float) -> str:

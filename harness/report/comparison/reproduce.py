@@ -1,4 +1,4 @@
-"""How to get this report again: the command, and the manifest's hashes, versions and seed."""
+"""Section on reproducing the report: command, and the manifest's hashes, versions and seed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def section(subject: Subject) -> Section:
 
 
 def flat(manifest: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
-    """Names such as `versions.numpy` and their values as texts, of a nested mapping."""
+    """Flattens a nested mapping to dotted names such as `versions.numpy` and values as text."""
     entries: list[tuple[str, str]] = []
     for key, value in manifest.items():
         name = f"{prefix}{key}"

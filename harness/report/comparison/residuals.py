@@ -1,4 +1,4 @@
-"""What is left over: position errors over time and against s, ṡ, α, and the acceleration that CAM lacks."""
+"""Section on residuals: position errors over time and against s, ṡ, α, and the residual acceleration of CAM."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from analytic.models import CAM
 from analytic.motion import FloatArray
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK, label_of, look_of
@@ -26,7 +27,7 @@ from harness.report.plots import (
     style,
 )
 
-_DOTS = 1500  # of one cloud; more only blacken it
+_MAX_DOTS = 1500  # per scatter plot
 
 
 def section(subject: Subject) -> Section:
@@ -48,7 +49,7 @@ def _over_time(subject: Subject) -> Picture:
         time, u = joined(study.setting.time, 1e3 * study.u_val_of(horizon), slices)
         band(axes, time, -2.0 * u, 2.0 * u)
         errors = {one.source: 1e3 * subject.error(one.source, horizon) for one in subject.ranked}
-        # An error larger than the ball's whole travel says no more than that.
+        # Limits the axis to the ball's travel: larger errors carry no further information.
         travel = 1e3 * float(np.ptp(study.setting.ball.position))
         seen = np.concatenate([error[np.isfinite(error)] for error in errors.values()] + [2.0 * u[np.isfinite(u)]])
         frame(axes, np.clip(np.concatenate((seen, -2.0 * u[np.isfinite(u)])), -travel, travel), margin=0.05)
@@ -88,8 +89,8 @@ def _against(subject: Subject) -> Picture:
             axes.tick_params(labelbottom=True)
         alt = f"Position errors of {' and '.join(map(label_of, shown))} against position, velocity and beam angle."
         caption = (
-            f"Position error of the closest source and a second one, {subject.over(horizon)}, against where the "
-            "ball was, how fast it ran, and how the beam stood. Points: means of bins with their standard errors."
+            f"Position error of the closest source and a second one, {subject.over(horizon)}, against "
+            "position, velocity and beam angle. Points: means of bins with their standard errors."
         )
         return picture(figure, alt, caption)
 
@@ -98,7 +99,7 @@ def _clouds(row: np.ndarray, subject: Subject, value: FloatArray, at: np.ndarray
     """`value` at the stamps `at` against s, ṡ and α, one axes each."""
     setting = subject.study.setting
     ball, angle = setting.ball, np.degrees(setting.drive.states[:, 0])
-    thin = slice(None, None, max(1, len(at) // _DOTS))
+    thin = slice(None, None, max(1, len(at) // _MAX_DOTS))
     for axes, x, name in zip(
         row,
         (ball.position[at], ball.velocity[at], angle[at]),
@@ -127,25 +128,20 @@ def _acceleration(subject: Subject) -> Picture:
         frame(top, residual, margin=0.25)
         top.set_xlim(setting.time[0], setting.time[-1])
         top.set_xlabel("time [s]")
-        top.set_ylabel("acceleration beyond\nCAM [m/s²]")
+        top.set_ylabel("residual acceleration\nof CAM [m/s²]")
         at = np.flatnonzero(ball.trusted)
         row = np.array([panels["s"], panels["v"], panels["a"]])
         _clouds(row, subject, residual[at], at, colour)
         low, high = np.percentile(residual[at], (1.0, 99.0))
         for axes in row:
             axes.set_ylim(low - 0.3 * (high - low) - 1e-4, high + 0.3 * (high - low) + 1e-4)
-        row[0].set_ylabel("acceleration beyond\nCAM [m/s²]")
-        alt = (
-            "Acceleration of the ball that CAM does not explain, over time and against position, velocity and "
-            "beam angle."
-        )
-        scatter, doubt = float(np.std(residual[at])), float(np.sqrt(np.mean(std[at] ** 2)))
+        row[0].set_ylabel("residual acceleration\nof CAM [m/s²]")
+        alt = "Residual acceleration of CAM over time and against position, velocity and beam angle."
+        scatter, std_rms = float(np.std(residual[at])), rms(std[at])
         caption = (
-            "Acceleration of the ball that CAM does not explain, estimated from the recording with its ± 2 σ "
-            "band (grey), over "
-            "time and against s, ṡ, α. A law shows as a shape: a step at ṡ = 0 is dry friction, a slope in ṡ "
-            "viscous, an "
-            f"offset a levelling error, a slope in s a curved track. Its spread is {number(scatter)} m/s², known to "
-            f"± {number(doubt, 2)} m/s²."
+            "Residual acceleration: the ball's acceleration that CAM does not explain, estimated from the recording, "
+            "with its ± 2 σ band (grey), over time and against s, ṡ, α. A step at ṡ = 0 indicates dry friction, a "
+            "slope in ṡ viscous damping, an offset a level error, a slope in s a curved track. Its standard deviation "
+            f"is {number(scatter)} m/s², its uncertainty {number(std_rms, 2)} m/s²."
         )
         return picture(figure, alt, caption)

@@ -1,4 +1,4 @@
-"""First screen: the answer in words, one picture, one table."""
+"""First section: conclusions in words, one figure, one table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from harness.errors import EngineFailure
 from harness.formatting import aligned, brief, fixed, plus_minus
 from harness.metrics import Score
-from harness.recording.findings import Finding
+from harness.recording.findings import DataFinding
 from harness.report.answer import answer
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
@@ -40,8 +40,8 @@ def section(subject: Subject) -> Section:
     )
 
 
-def _warnings(subject: Subject) -> tuple[list[Finding], int]:
-    """The warnings that touch this recording, and how many there are of the case's other recordings."""
+def _warnings(subject: Subject) -> tuple[list[DataFinding], int]:
+    """Warnings on this recording, and the number of warnings on other recordings of the case."""
     setting = subject.study.setting
     elsewhere = tuple(name for name in setting.case.recordings if name != setting.recording.name)
     warnings = [one for one in setting.case.findings if one.severity == "warning"]
@@ -61,14 +61,14 @@ def _table(subject: Subject) -> Table:
         Column(
             "fit",
             "%",
-            hint="100 (1 − ‖e_s‖/‖s − mean s‖): 100 is perfect, below 0 worse than a ball that stays in place",
+            hint="100 (1 − ‖e_s‖/‖s − mean s‖): 100 is perfect, below 0 worse than a constant",
         ),
         Column("largest velocity error", "mm/s"),
         Column("late by", "ms", hint="shift of highest correlation"),
         Column(f"outside ± {tube} mm", "%"),
         Column("E/u_val", hint="RMS of error over validation uncertainty (ASME V&V 20), about 1 for a perfect model"),
         Column("ISO 18571", hint="overall rating of ISO/TS 18571:2014, 1 is perfect"),
-        Column("beside the closest", text=True),
+        Column("compared with the closest", text=True),
     ]
     numbers = zip(
         _errors(scores),
@@ -104,31 +104,31 @@ def _beside(standing: Standing, failed: bool, subject: Subject) -> str:
         return "closest"
     if standing.same:
         return "same motion"
-    return "worse" if standing.separated else "not told apart"
+    return "worse" if standing.separated else "not distinguishable"
 
 
 def _caveats(subject: Subject) -> list[str]:
-    """What a reader has to keep in mind, in the order of weight."""
+    """Caveats, the most important first."""
     setting = subject.study.setting
     said: list[str] = []
     if subject.simulated:
         said.append(f"The recording is simulated, not measured ({setting.case.origin}).")
     if setting.fitted is not None:
         said.append(
-            "Parts of the rig are not documented and were estimated from these recordings (see Inputs): errors "
-            "are those of the best rig of this kind, not of a prediction from known quantities."
+            "Unknown quantities of the rig were estimated from these recordings (see Inputs): errors are those of "
+            "a fitted rig, not of a prediction from known quantities."
         )
     if setting.case.declared:
         names = ", ".join(one.name.replace("_", " ") for one in setting.case.declared)
-        said.append(f"Declared to act, and so in every model and engine: {names}.")
+        said.append(f"Declared effects, included in every model and engine: {names}.")
     coefficient, speed = setting.rig.friction_coefficient, 1e3 * setting.rig.transition_velocity
     said.append(
         f"The friction models run with the paper's f_b = {brief(coefficient)} and v_t = {brief(speed)} mm/s, "
-        "fitted there to another rig; what each reading can do at its best stands under Ablation."
+        "fitted to another rig; for the best fit of each reading see Ablation."
     )
     return said
 
 
 def _first_of_each(failures: Sequence[EngineFailure]) -> list[EngineFailure]:
-    """One failure an engine: the first."""
+    """The first failure of each engine."""
     return list({failure.engine: failure for failure in reversed(failures)}.values())[::-1]

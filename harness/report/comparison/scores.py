@@ -1,4 +1,4 @@
-"""Every metric of every source, one table a horizon."""
+"""Section with all metrics of all sources, one table per horizon."""
 
 from __future__ import annotations
 
@@ -47,5 +47,5 @@ def _table(subject: Subject, horizon: Horizon) -> Table:
 
 
 def _suffix(unit: str) -> str:
-    """The unit as a field's name ends in it."""
+    """The suffix of a field's name that stands for its unit."""
     return {"1": "", "%": "_percent"}.get(unit, "_" + unit.replace("/", "_").replace(" ", "_"))

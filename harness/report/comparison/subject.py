@@ -1,4 +1,4 @@
-"""What every section of the comparison report is made from."""
+"""The data common to all sections of the comparison report."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from harness.tolerances import Checked
 
 @dataclass(frozen=True)
 class Subject:
-    """A study with what belongs to its report.
+    """A study with the data of its report.
 
     Attributes:
-        study: everything computed.
+        study: the comparison.
         manifest: as written to manifest.json.
         checks: of tolerances.
-        command: what repeats the run.
+        command: to repeat the run.
     """
 
     study: Study
@@ -41,7 +41,7 @@ class Subject:
 
     @property
     def measured(self) -> str:
-        """What the recording is to be called: `measured` or `simulated`."""
+        """Adjective for the recording: `measured` or `simulated`."""
         return "simulated" if self.simulated else "measured"
 
     @property
@@ -86,7 +86,7 @@ class Subject:
 
     @cached_property
     def drawn(self) -> NDArray[np.bool_]:
-        """Stamps that lines of the recording pass through: all but its spikes, shape (n,); what is unknown is a gap."""
+        """Stamps drawn in lines of the recording, shape (n,): all but outliers; unknown positions are gaps."""
         setting = self.study.setting
         passed: NDArray[np.bool_] = setting.ball.trusted | ~setting.recording.known
         return passed
@@ -96,7 +96,7 @@ class Subject:
         return horizon_text(horizon.seconds, self.duration)
 
     def error(self, source: str, horizon: Horizon) -> FloatArray:
-        """e_s of each run, shape (runs, n), NaN outside and where the measurement does not count [m]."""
+        """e_s of each run, shape (runs, n), NaN outside a run and at invalid stamps [m]."""
         setting = self.study.setting
         error = self.study.run_of(source, horizon).position - setting.recording.position
         return np.where(setting.ball.trusted, error, np.nan)

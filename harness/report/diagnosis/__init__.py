@@ -1,4 +1,4 @@
-"""The report of `harness diagnose`: what the model lacks. A section is one module and one line here."""
+"""The report of `harness diagnose`: missing physics of the model. Each section is a module listed in `SECTIONS`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
     ledger.section,
     inputs.section,
 )
-"""In the order of the page; a section that has nothing to say is `None`."""
+"""In the order of the page; a section that does not apply returns `None`."""
 
 
 def render_diagnosis(
@@ -42,11 +42,11 @@ def render_diagnosis(
     """The diagnosis report as HTML text.
 
     Args:
-        diagnosis: what is reported.
-        record: as written to diagnosis.json.
-        case: what was handed in.
-        command: what repeats the diagnosis; empty if it is not known.
-        replay: what replays its ledger; likewise.
+        diagnosis: the result.
+        record: content of diagnosis.json.
+        case: the input.
+        command: to repeat the diagnosis; empty if unknown.
+        replay: command to replay its ledger; empty if unknown.
     """
     account = Account(diagnosis, record, case, command, replay)
     made = on_all_cores([partial(section, account) for section in SECTIONS])

@@ -1,4 +1,4 @@
-"""What every section of the diagnosis report is made from."""
+"""The data common to all sections of the diagnosis report."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from harness.recording import Case
 from harness.report.palette import Look
 from harness.signals.ball_state import BallEstimate
 
-MODEL = Look("the model as declared", "#0072B2", (5.0, 2.0), 1.6, 5)
-FOUND = Look("with what was found", "#D55E00", None, 1.6, 6)
+MODEL = Look("declared model", "#0072B2", (5.0, 2.0), 1.6, 5)
+FOUND = Look("with the effects found", "#D55E00", None, 1.6, 6)
 
 
 @dataclass(frozen=True)
 class Account:
-    """A diagnosis with what belongs to its report.
+    """A diagnosis with the data of its report.
 
     Attributes:
-        diagnosis: everything found.
-        record: as written to diagnosis.json.
-        case: what was handed in.
-        command: what repeats it.
-        replay: what replays its ledger; both empty if not known.
+        diagnosis: the result.
+        record: content of diagnosis.json.
+        case: the input.
+        command: to repeat the diagnosis; empty if unknown.
+        replay: command to replay its ledger; empty if unknown.
     """
 
     diagnosis: Diagnosis
@@ -44,7 +44,7 @@ class Account:
 
     @property
     def measured(self) -> str:
-        """What the recordings are to be called."""
+        """Legend label of the recordings."""
         return "simulated recording" if self.simulated else "recorded"
 
     @property
@@ -68,21 +68,21 @@ class Account:
 
     @property
     def shown(self) -> Record:
-        """The recording that pictures show: the first."""
+        """The recording shown in figures: the first."""
         return self.diagnosis.problem.records[0]
 
     @cached_property
     def traces(self) -> tuple[Trace, ...]:
-        """What is missing in each recording."""
+        """The residual acceleration of each recording."""
         problem, found = self.diagnosis.problem, self.diagnosis.found
         return tuple(trace(problem, found, one, self.ball(one)) for one in problem.records)
 
     def ball(self, record: Record) -> BallEstimate:
-        """The ball's state in one of the recordings, as measured."""
+        """The smoothed state of the ball in one recording."""
         return ball_of(self.case, self.case.recordings[record.name], record.drive, self.diagnosis.problem.rig)
 
     @cached_property
     def force(self) -> float:
-        """Force on the ball that gives it an acceleration of one, m (1 + J/(m r²)) [N per m/s²]."""
+        """Effective mass m (1 + J/(m r²)), force per acceleration [N per m/s²]."""
         rig = self.diagnosis.problem.rig
         return rig.mass / rig.rolling_ratio

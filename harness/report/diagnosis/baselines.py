@@ -47,7 +47,7 @@ def _answer(compared: BaselineComparison) -> str:
     """Whether both are beaten, in words."""
     margins = {name: compared.margin(name) for name in BASELINES}
     if any(margin is None for margin in margins.values()):
-        return "There are too few windows to say who predicts better."
+        return "There are too few windows for a comparison."
     sure = [name for name, margin in margins.items() if margin is not None and margin.sure]
     ahead = [name for name, margin in margins.items() if margin is not None and margin.value > 0.0]
     if len(sure) == len(BASELINES):
@@ -61,12 +61,12 @@ def _answer(compared: BaselineComparison) -> str:
 
 def _table(compared: BaselineComparison) -> Table:
     columns = [
-        Column("predicted by", text=True),
+        Column("model", text=True),
         Column("RMS error"),
         Column("median of windows"),
-        Column("with what was found is better by"),
+        Column("improvement with the effects found"),
         Column("95 % interval"),
-        Column("in windows"),
+        Column("windows with smaller error"),
     ]
     rows = []
     for name, errors in compared.errors.items():

@@ -1,4 +1,4 @@
-"""Before and after: errors by horizon of CAM and of the engines, and what innovations still know."""
+"""Section on errors by horizon without and with the effects found, for CAM and engines, and on innovations."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ Engines = Mapping[str, Mapping[str, Any]]
 
 
 def section(account: Account) -> Section:
-    """Errors before and after."""
+    """The section."""
     diagnosis = account.diagnosis
     several = len(diagnosis.problem.records) > 1
     held = {name: one["heldout"] for name, one in diagnosis.engines.items() if "heldout" in one}
     tables = [
         _table(account, "Held out", diagnosis.heldout, held),
-        _table(account, "Found from", diagnosis.identify, diagnosis.engines),
+        _table(account, "Identification", diagnosis.identify, diagnosis.engines),
     ]
     for name, one in diagnosis.also.items():
-        tables.append(_table(account, f"Also {name}, which nothing was fitted to", one.errors, one.engines))
+        tables.append(_table(account, f"Also {name}, not used for fitting", one.errors, one.engines))
     context = {
-        "split": "each recording in turn, with values fitted to the others"
+        "split": "each recording in turn, with parameters fitted to the others"
         if several
-        else "each half of the recording, with values fitted to the other",
+        else "each half of the recording, with parameters fitted to the other",
         "known": brief(KNOWN),
         "changed": account.changed,
         "picture": _picture(account),
@@ -54,12 +54,12 @@ def section(account: Account) -> Section:
 
 
 def _whens(account: Account) -> tuple[str, ...]:
-    """Where nothing was found, there is no after."""
+    """Only `before` if nothing was found."""
     return ("before", "after") if account.changed else ("before",)
 
 
 def _heads(account: Account, names: Iterable[str]) -> list[Column]:
-    """One column or two a name."""
+    """One or two columns per name."""
     if not account.changed:
         return [Column(name, apart=True) for name in names]
     return [column for name in names for column in (Column(f"{name}, before", apart=True), Column("after"))]
@@ -78,11 +78,11 @@ def _table(account: Account, caption: str, cam: BeforeAfter, engines: Engines) -
 
 
 def _title(horizon: str) -> str:
-    return f"the rest, from the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
+    return f"rest after the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
 
 
 def _failures(account: Account) -> list[str]:
-    """What engines said that failed, each message once."""
+    """Messages of failed engines, each once."""
     diagnosis = account.diagnosis
     sets = [diagnosis.engines, *(one.engines for one in diagnosis.also.values())]
     runs = [run for each in sets for one in each.values() for run in (one, one.get("heldout", {}))]
@@ -92,20 +92,20 @@ def _failures(account: Account) -> list[str]:
 
 def _innovations(account: Account) -> Table:
     diagnosis = account.diagnosis
-    named = {"held out": diagnosis.heldout, "found from": diagnosis.identify}
+    named = {"held out": diagnosis.heldout, "identification": diagnosis.identify}
     named |= {f"also {Path(name).name}": one.errors for name, one in diagnosis.also.items()}
-    columns = [Column("of the innovations", text=True), *_heads(account, named)]
+    columns = [Column("innovations", text=True), *_heads(account, named)]
     each: list[Errors] = [getattr(one, when) for one in named.values() for when in _whens(account)]
     rows = [
-        Row(("size over the reading's noise", *(number(one.ratio) for one in each))),
-        Row(("correlation of neighbours", *(fixed(one.whiteness, 3) for one in each))),
+        Row(("RMS over the reading noise", *(number(one.ratio) for one in each))),
+        Row(("autocorrelation at lag 1", *(fixed(one.whiteness, 3) for one in each))),
     ]
     for key, symbol in _INPUTS.items():
         tests = [one.beam.get(key) for one in each]
         rows.append(
             Row((f"independent of {symbol}: p", *(NONE if t is None or not t.freedom else _chance(t.p) for t in tests)))
         )
-    return Table("What innovations still know", columns, rows)
+    return Table("Tests of the innovations", columns, rows)
 
 
 def _chance(p: float) -> str:
@@ -117,7 +117,7 @@ def _picture(account: Account) -> Picture:
     names = list(dict.fromkeys(name for one in (held.before, identify.before) for name in one.rms))
     places = np.arange(len(names))
     lines: list[tuple[str, Mapping[str, float], str, str, str]] = []
-    for kind, both, dash, marker in (("held out", held, "-", "o"), ("found from", identify, ":", "s")):
+    for kind, both, dash, marker in (("held out", held, "-", "o"), ("identification", identify, ":", "s")):
         lines.append((f"{kind}, before" if account.changed else kind, both.before.rms, MODEL.colour, dash, marker))
         if account.changed:
             lines.append((f"{kind}, after", both.after.rms, FOUND.colour, dash, marker))
@@ -128,11 +128,11 @@ def _picture(account: Account) -> Picture:
             values = [1e3 * rms.get(name, np.nan) for name in names]
             axes.plot(places, values, dash, color=colour, marker=marker, markersize=5, linewidth=1.6, label=label)
         noise = 1e3 * float(np.sqrt(account.diagnosis.problem.noise))
-        axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="noise of a reading")
+        axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="reading noise")
         plain_log(axes, "y")
-        axes.set_xticks(places, ["the rest" if name == "whole" else name for name in names])
-        axes.set_xlabel("predicted ahead")
+        axes.set_xticks(places, ["rest" if name == "whole" else name for name in names])
+        axes.set_xlabel("prediction horizon")
         axes.set_ylabel("RMS error [mm]")
         figure.legend(loc="outside right upper")
-        caption = "RMS error of the positions that CAM predicts, by how far they are predicted ahead; logarithmic."
+        caption = "RMS error of the positions predicted by CAM against the prediction horizon, logarithmic."
         return picture(figure, caption, caption)

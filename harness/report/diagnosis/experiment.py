@@ -1,4 +1,4 @@
-"""The next experiment: the move to make, what it is expected to tell, and what the rig is taken to be able to do."""
+"""Section on the proposed next experiment: beam motion, expected discrimination, assumed limits of the rig."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _EDGE = "#8a94a0"
 
 
 def section(account: Account) -> Section | None:
-    """The next experiment; none where nothing is left to be told."""
+    """The section; `None` without a proposal."""
     proposal = account.diagnosis.next_experiment
     if proposal is None:
         return None
@@ -53,29 +53,29 @@ def _picture(proposal: Proposal) -> Picture:
         bottom.set_xlim(proposal.time[0], proposal.time[-1])
         alt = f"Beam angle of the profile {proposal.profile.name} and the ball's position to be expected, over time."
         caption = (
-            f"The profile “{proposal.profile.name}”: {proposal.profile.words}. Above the angle to be played, below the "
-            "position that the model with what was found expects to be recorded. Dashed: what the rig is taken to be "
-            "able to do, the angles of the recordings and a fifth more, and where the ball may be."
+            f"The profile “{proposal.profile.name}”: {proposal.profile.words}. Above: beam angle, below: position "
+            "expected by the model with the effects found. Dashed: assumed operating envelope, 1.2 times the largest "
+            "angle of the recordings and the permitted range of the ball."
         )
         return picture(figure, alt, caption)
 
 
 def _separations(proposal: Proposal) -> Table:
     if proposal.separations[0].rival == NOTHING:
-        columns = [Column("effect of typical size", text=True), Column("expected", "σ"), Column("needed", "σ")]
-        columns.append(Column("would be seen", text=True))
+        columns = [Column("effect of typical size", text=True), Column("expected", "σ"), Column("required", "σ")]
+        columns.append(Column("detectable", text=True))
         ordered = sorted(proposal.separations, key=lambda one: -one.expected)
         rows = [
             Row((f"`{one.found}`", fixed(one.expected, 1), fixed(one.needed, 1), _yes(one.told))) for one in ordered
         ]
-        return Table("What it would show", columns, rows)
+        return Table("Expected detection of effects", columns, rows)
     columns = [
         Column("found", text=True),
         Column("rival", text=True),
-        Column("at hand", "σ"),
-        Column("expected", "σ", hint="with the recordings at hand and the new one"),
-        Column("needed", "σ"),
-        Column("told apart", text=True),
+        Column("current", "σ"),
+        Column("expected", "σ", hint="with the present recordings and the new one"),
+        Column("required", "σ"),
+        Column("distinguishable", text=True),
     ]
     rows = [
         Row(
@@ -90,7 +90,7 @@ def _separations(proposal: Proposal) -> Table:
         )
         for one in sorted(proposal.separations, key=lambda one: one.expected)
     ]
-    return Table("What it would tell apart", columns, rows)
+    return Table("Expected discrimination", columns, rows)
 
 
 def _yes(told: bool) -> str:
@@ -99,10 +99,10 @@ def _yes(told: bool) -> str:
 
 def _tried(proposal: Proposal) -> Table:
     reveals = proposal.separations[0].rival == NOTHING
-    last = Column("effects shown") if reveals else Column("smallest separation", "σ")
+    last = Column("detectable effects") if reveals else Column("smallest separation", "σ")
     ordered = sorted(proposal.tried.items(), key=lambda one: -one[1])
     rows = [
         Row((name, fixed(value, 0) if reveals else fixed(value, 1)), "best" if name == proposal.profile.name else "")
         for name, value in ordered
     ]
-    return Table("Every profile that the rig can make", [Column("profile", text=True), last], rows)
+    return Table("All profiles within the operating envelope", [Column("profile", text=True), last], rows)

@@ -1,4 +1,4 @@
-"""What went in: recordings, rig, sensors, declared effects, findings, and what repeats the diagnosis."""
+"""Section on the inputs: recordings, rig, reading noise, declared effects, findings, and the command."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _recordings(account: Account) -> Table:
                 )
             )
         )
-    return Table("Recordings that were identified from", columns, rows)
+    return Table("Recordings used for identification", columns, rows)
 
 
 def _rig(account: Account) -> Table:
@@ -65,7 +65,7 @@ def _rig(account: Account) -> Table:
         Row((name.replace("_", " "), number(values[name], 4), unit, _status(getattr(known, name) is not None)))
         for name, unit in _UNITS.items()
     ]
-    return Table("The rig, before anything was found", columns, rows)
+    return Table("Rig without the effects found", columns, rows)
 
 
 def _status(given: bool) -> str:

@@ -1,4 +1,4 @@
-"""The ledger: every attempt, in the order in which it was made, and what became of it."""
+"""Section with the ledger: all fitted hypotheses in order, and whether each was kept."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def _table(account: Account) -> Table:
     hashes = [str(line["hash"]) for line in lines] if isinstance(lines, list) else []
     columns = [
         Column("tried", text=True),
-        Column("beside", text=True),
-        Column("gain", hint="how much lower the criterion is than without it"),
+        Column("in addition to", text=True),
+        Column("gain", hint="decrease of the criterion"),
         Column("kept", text=True),
-        Column("because", text=True),
-        Column("hash", text=True, hint="of the attempt in diagnosis.json, first eight digits"),
+        Column("reason", text=True),
+        Column("hash", text=True, hint="of the entry in diagnosis.json, first eight digits"),
     ]
     rows = [
         Row(
@@ -45,4 +45,4 @@ def _table(account: Account) -> Table:
         )
         for one, hashed in zip(account.diagnosis.ledger, hashes, strict=True)
     ]
-    return Table("Every attempt", columns, rows)
+    return Table("All entries", columns, rows)

@@ -1,4 +1,4 @@
-"""The trace: what the model leaves of the ball's acceleration, with the law of what was found drawn over it."""
+"""Section on the residual acceleration of the declared model, compared with the effects found."""
 
 from __future__ import annotations
 
@@ -9,36 +9,33 @@ from numpy.typing import ArrayLike
 
 from analytic.motion import FloatArray
 from harness.formatting import number
+from harness.numerics import rms
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, Look
 from harness.report.plots import WIDTH, Picture, band, binned, frame, line, picture, sample, style, thinning
 
-LEFT = Look("left by the model", MODEL.colour, None, 1.2, 3)
-LAW = Look("given by what was found", FOUND.colour, None, 1.4, 6)
-_DOTS = 1500  # of one cloud; more only blacken it
+LEFT = Look("residual acceleration", MODEL.colour, None, 1.2, 3)
+LAW = Look("effects found", FOUND.colour, None, 1.4, 6)
+_MAX_DOTS = 1500  # per scatter plot
 _AXES = ("position $s$ [m]", r"velocity $\dot s$ [m/s]", r"beam angle $\alpha$ [deg]")
-_LABEL = "acceleration beyond\nthe model [m/s²]"
+_LABEL = "residual acceleration\n[m/s²]"
 
 
 def section(account: Account) -> Section:
-    """The trace."""
+    """The section."""
     residual = np.concatenate([one.residual[one.trusted] for one in account.traces])
     law = np.concatenate([one.law[one.trusted] for one in account.traces])
     deviation = np.concatenate([one.deviation[one.trusted] for one in account.traces])
     context = {
         "changed": account.changed,
-        "before": number(_rms(residual)),
-        "after": number(_rms(residual - law)),
-        "doubt": number(_rms(deviation), 2),
+        "before": number(rms(residual)),
+        "after": number(rms(residual - law)),
+        "uncertainty": number(rms(deviation), 2),
         "over_time": _over_time(account),
         "against": _against(account),
     }
-    return Section("trace", "The trace of what is missing", "Trace", "diagnosis/residual_acceleration.html", context)
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return Section("trace", "Residual acceleration", "Residual", "diagnosis/residual_acceleration.html", context)
 
 
 def _legend(figure: Figure, account: Account) -> None:
@@ -79,11 +76,11 @@ def _over_time(account: Account) -> Picture:
             _in_newtons(axes, account)
         grid[-1].set_xlabel("time [s]")
         _legend(figure, account)
-        alt = "Acceleration that the model leaves over time, with the acceleration that the found effects give."
+        alt = "Residual acceleration over time, and the acceleration by the effects found."
         caption = (
-            "Acceleration of the ball that the model with its declared effects does not explain, estimated from the "
-            "recording alone, with its ± 2 σ band (grey). Over it, what the effects found give along the same path; "
-            "it is drawn sharp, while the estimate rounds every step off. Right: the force that would give it."
+            "Residual acceleration: the ball's acceleration that the declared model does not explain, estimated from "
+            "the recording alone, with its ± 2 σ band (grey), and the acceleration by the effects found along the same "
+            "path. The estimate is smoothed, the effects are not. Right axis: the equivalent force."
         )
         return picture(figure, alt, caption)
 
@@ -94,7 +91,7 @@ def _against(account: Account) -> Picture:
         name: np.concatenate([getattr(one, name)[keep] for one, keep in zip(account.traces, use, strict=True)])
         for name in ("position", "velocity", "angle", "residual", "law")
     }
-    thin = slice(None, None, max(1, len(joined["law"]) // _DOTS))
+    thin = slice(None, None, max(1, len(joined["law"]) // _MAX_DOTS))
     low, high = np.percentile(np.concatenate((joined["residual"], joined["law"])), (1.0, 99.0))
     with style():
         figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
@@ -112,11 +109,11 @@ def _against(account: Account) -> Picture:
         row[0].set_ylabel(_LABEL)
         _in_newtons(row[-1], account)
         _legend(figure, account)
-        alt = "Acceleration that the model leaves against position, velocity and beam angle, with that of the effects."
+        alt = "Residual acceleration and that of the effects against position, velocity and beam angle."
         caption = (
-            "The same against where the ball was, how fast it ran, and how the beam stood, over all recordings. Black: "
-            "means of bins of what is left, with their standard errors. A step at ṡ = 0 is dry friction, a slope in ṡ "
-            "viscous, an offset a levelling error, a slope in s a curved track."
+            "The same against position, velocity and beam angle, over all recordings. Black: bin means of the residual "
+            "acceleration with their standard errors. A step at ṡ = 0 indicates dry friction, a slope in ṡ viscous "
+            "damping, an offset a level error, a slope in s a curved track."
         )
         return picture(figure, alt, caption)
 

@@ -1,4 +1,4 @@
-"""Rivals: what else could have been in the place of each effect, and how much worse it predicts."""
+"""Section on rivals: hypotheses with another effect or spline term in place of each one found."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
 
-_MOST = 6  # of one table; what comes after is far behind
-_FAR = 1000.0  # behind: looked at only, and not fitted
+_MAX_ROWS = 6  # per table
+_MAX_DIFFERENCE = 1000.0  # of the criterion; worse hypotheses were screened but not fitted
 
 
 def section(account: Account) -> Section | None:
-    """Rivals; none where nothing was found to have any."""
+    """The section; `None` if nothing was found."""
     if not account.changed:
         return None
     tables = [_of_effect(account, one) for one in account.diagnosis.effects]
@@ -48,7 +48,7 @@ def _of_spline(account: Account) -> list[Table]:
     before = {one.beside for one in splines}
     effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.shape is None]
     beside = ", ".join(f"`{name}`" for name in sorted({name for one in before for name in one}))
-    ending = f", beside {beside}" if beside else ""
+    ending = f", in addition to {beside}" if beside else ""
     return [
         _table(account, f"Another spline term in its place{ending}", [one for one in splines if not one.kept]),
         _table(account, f"An effect of the catalogue in its place{ending}", effects),
@@ -70,7 +70,7 @@ def _table(account: Account, caption: str, others: list[Line]) -> Table:
         Column("told apart", text=True),
     ]
     rows = []
-    for one in sorted((one for one in others if behind(one) < _FAR), key=behind)[:_MOST]:
+    for one in sorted((one for one in others if behind(one) < _MAX_DIFFERENCE), key=behind)[:_MAX_ROWS]:
         told = "yes" if behind(one) >= criterion.settings.rival else "no"
         rows.append(Row((f"`{one.title}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
     return Table(caption, columns, rows)

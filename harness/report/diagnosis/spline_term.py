@@ -1,4 +1,4 @@
-"""The curve of a law that no catalogue lists, over what the model leaves."""
+"""Section on the spline term: the estimated law of an unlisted effect."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from harness.report.plots import WIDTH, Picture, band, binned, frame, picture, s
 from harness.report.tables import Column, Row, Table
 from harness.report.wording import DEPENDENCES
 
-_DOTS = 2000  # more only blacken the picture
-_FINE = 400  # places at which a curve is drawn
-_ROLLS = 0.03  # from which on the sign of the velocity is sure [m/s]
+_MAX_DOTS = 2000  # in the scatter plot
+_PLOT_POINTS = 400  # of the curve
+_MIN_ROLLING_SPEED = 0.03  # above which the sign of the velocity is certain [m/s]
 _ABSCISSA = {  # name, unit, factor to it
     Depends.POSITION: ("position $s$", "m", 1.0),
     Depends.VELOCITY: (r"velocity $\dot s$", "m/s", 1.0),
@@ -35,7 +35,7 @@ _ABSCISSA = {  # name, unit, factor to it
 
 
 def section(account: Account) -> Section | None:
-    """The curve; none where the catalogue says it all."""
+    """The section; `None` without a spline term."""
     shape = account.diagnosis.found.best.shape
     if shape is None:
         return None
@@ -61,9 +61,9 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
         figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
         axes = figure.add_subplot()
         first, last = shape.places[0], shape.places[-1] + (shape.step if shape.turning else 0.0)
-        along = np.linspace(first, last, _FINE)
+        along = np.linspace(first, last, _PLOT_POINTS)
         y = factor * shape.at(along)
-        thin = slice(None, None, max(1, len(where) // _DOTS))
+        thin = slice(None, None, max(1, len(where) // _MAX_DOTS))
         axes.plot(
             scale * where[thin],
             factor * left[thin],
@@ -87,20 +87,20 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
         axes.set_xlim(scale * first, scale * last)
         axes.set_xlabel(f"{name} [{unit}]")
         axes.set_ylabel("added to the coefficient\nof dry friction [1]" if shape.friction else "force on the ball [mN]")
-        looks = (LEFT, replace(FOUND, label="the curve"))
+        looks = (LEFT, replace(FOUND, label="spline term"))
         figure.legend(handles=[sample(look, look.label) for look in looks], loc="outside upper left", ncols=2)
         alt = f"The unlisted {'friction' if shape.friction else 'force'} as a function of {DEPENDENCES[shape.depends]}."
         caption = (
-            f"The curve that predicts the recordings best, a spline through {len(shape.nodes)} nodes spread over what "
-            "they visit, with 95 % intervals of the nodes (grey). Below it what the model leaves, estimated from the "
-            "recordings alone, and in black the means of its bins with their standard errors."
-            f"{' Dry friction that is negative in sum counts as none.' if shape.friction else ''}"
+            f"Estimated spline term with {len(shape.nodes)} nodes over the range of the recordings, with 95 % "
+            "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
+            "alone; black: its bin means with their standard errors."
+            f"{' A negative total friction is set to zero.' if shape.friction else ''}"
         )
         return picture(figure, alt, caption)
 
 
 def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
-    """What the model with the listed effects leaves, in the unit of the nodes, and where; trusted readings only."""
+    """Residual of the model with the listed effects in the unit of the nodes, and its abscissa, at trusted readings."""
     diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
     listed = replace(diagnosis.found, best=replace(diagnosis.found.best, shape=None))
     wheres, lefts = [], []
@@ -111,7 +111,7 @@ def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
         left, use = (seen.residual - explained) / k, seen.trusted
         if shape.friction:
             normal = _normal(record, seen, diagnosis.problem.rig)
-            use = use & (np.abs(seen.velocity) > _ROLLS) & (normal > 0.0)
+            use = use & (np.abs(seen.velocity) > _MIN_ROLLING_SPEED) & (normal > 0.0)
             left = -np.sign(seen.velocity) * left / np.where(normal > 0.0, normal, 1.0)
         wheres.append(where[use])
         lefts.append(left[use])
@@ -119,7 +119,7 @@ def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
 
 
 def _along(shape: Shape, record: Record, seen: Trace, rig: Rig, phase: float) -> FloatArray:
-    """What the curve depends on, at the stamps of a recording; `phase` is how the ball lay at its start [rad]."""
+    """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
     match shape.depends:
         case Depends.POSITION:
             return seen.position
@@ -152,4 +152,4 @@ def _table(shape: Shape, factor: float, reach: FloatArray) -> Table:
         Row((number(scale * at), number(factor * value), number(factor * half, 2)))
         for at, value, half in zip(shape.places, shape.nodes, reach, strict=True)
     ]
-    return Table("Nodes of the curve", columns, rows)
+    return Table("Nodes of the spline term", columns, rows)

@@ -1,4 +1,4 @@
-"""The first screen: the verdict in a sentence, what was found, and predictions without and with it."""
+"""First section: the verdict in a sentence, the effects found, and predictions without and with them."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from harness.identify.problem.windows import KNOWN
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.whiteness import SIGNIFICANT
+from harness.numerics import rms
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
@@ -24,7 +25,7 @@ from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, 
 from harness.report.tables import Column, Row, Table
 from harness.report.wording import error_size, sentence, words
 
-_REACH = 3.0  # times the largest error: a wider band would leave no room for the errors themselves
+_MAX_BAND = 3.0  # of the uncertainty band in the figure, times the largest error
 
 
 def section(account: Account) -> Section:
@@ -42,14 +43,14 @@ def section(account: Account) -> Section:
 
 
 def _glance(account: Account) -> list[tuple[str, str, str]]:
-    """What the page says further down, in a few words: the anchor, its name, the words."""
+    """Summaries of later sections: anchor, name, text."""
     diagnosis = account.diagnosis
     said = []
     if account.changed:
         said.append(("rivals", "Rivals", _nearest(account)))
     said.append(("errors", "Innovations", _independence(account)))
     kept = sum(one.kept for one in diagnosis.ledger)
-    said.append(("ledger", "Ledger", f"{len(diagnosis.ledger)} attempts, {kept} kept when they were made"))
+    said.append(("ledger", "Ledger", f"{len(diagnosis.ledger)} entries, {kept} kept at first"))
     if diagnosis.next_experiment is not None:
         said.append(("experiment", "Next experiment", words(proposal.sentence(diagnosis.next_experiment))))
     return said
@@ -76,14 +77,14 @@ def _nearest(account: Account) -> str:
 
 
 def _independence(account: Account) -> str:
-    """Whether held-out innovations still know the beam's motion."""
+    """Whether held-out innovations are independent of the beam's motion."""
     tests = account.diagnosis.heldout.after.beam
     if not any(one.freedom for one in tests.values()):
         return "too few readings to test"
     least = min(one.p for one in tests.values())
     size = number(account.diagnosis.heldout.after.ratio)
-    knows = "independent of" if least >= SIGNIFICANT else "not independent of"
-    return f"{size} times the reading's noise, {knows} the beam's motion (p = {brief(least, 2)} at least), held out"
+    relation = "independent of" if least >= SIGNIFICANT else "not independent of"
+    return f"held out, {size} times the reading noise, {relation} the beam's motion (smallest p = {brief(least, 2)})"
 
 
 def _found(account: Account) -> Table:
@@ -94,7 +95,7 @@ def _found(account: Account) -> Table:
         Column("value"),
         Column("95 % interval"),
         Column("unit", text=True),
-        Column("not to be told from", text=True),
+        Column("indistinguishable from", text=True),
     ]
     rows = []
     for one in account.diagnosis.effects:
@@ -107,11 +108,11 @@ def _found(account: Account) -> Table:
             interval = f"{number(low, digits)} … {number(high, digits)}"
             cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
             rows.append(Row(cells, "best" if first else ""))
-    return Table("What was missing (± above are halves of these intervals)", columns, rows)
+    return Table("Effects found (± above is half the width of these intervals)", columns, rows)
 
 
 def _digits(value: float, width: float) -> int:
-    """Significant digits of a value that show an interval of this width with two."""
+    """Significant digits of a value at which an interval of this width has two."""
     if not (value and width > 0.0):
         return 3
     return int(np.clip(np.floor(np.log10(abs(value))) - np.floor(np.log10(width)) + 2, 2, 6))
@@ -132,7 +133,7 @@ def _before_after(account: Account) -> Picture:
         _panel(top, time, reading, runs, closest)
         top.set_ylabel("position $s$ [m]")
         errors = [(1e3 * (one.position - reading), look) for one, look in runs]
-        # A reading has its own noise beside the prediction's.
+        # The difference contains the noise of the reading.
         reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.noise)
         thin = slice(None, None, thinning(len(time)))
         band(bottom, time, -reach, reach)
@@ -140,7 +141,7 @@ def _before_after(account: Account) -> Picture:
             line(bottom, time[thin], error[thin], look)
         bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
         seen = errors[-1][0][np.isfinite(reading)]
-        most = _REACH * float(np.max(np.abs(seen)))
+        most = _MAX_BAND * float(np.max(np.abs(seen)))
         frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
         for error, look in errors:
             mark_exits(bottom, time, error, look)
@@ -153,12 +154,12 @@ def _before_after(account: Account) -> Picture:
         entries += [sample(look, look.label) for _, look in runs]
         figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
         ends = ", ".join(f"{look.label} {_error(one, reading, ~first)}" for one, look in runs)
-        alt = f"Recorded and predicted position of {shown.name} without and with what was found, and their differences."
+        alt = f"Recorded and predicted position of {shown.name} without and with the effects found; differences."
         caption = (
             f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
-            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below with the reading's noise. "
-            "Triangles: a line leaves the frame. Values here are those of the verdict, for which this recording was "
-            "used too; errors on data that were not used stand below."
+            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below including reading "
+            "noise. Triangles: a line leaves the frame. Parameters are those of the verdict, fitted to this recording "
+            "too; for held-out errors see below."
         )
         return picture(figure, alt, caption)
 
@@ -180,4 +181,4 @@ def _panel(
 
 def _error(one: Forecast, reading: FloatArray, judged: np.ndarray) -> str:
     misses = (one.position - reading)[judged & np.isfinite(reading)]
-    return error_size(float(np.sqrt(np.mean(misses**2)))) if misses.size else NONE
+    return error_size(rms(misses)) if misses.size else NONE

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.rig import Rig
-from harness.recording.suspicions import Suspect, suspicions
+from harness.recording.plausibility import Signals, implausible
 from harness.recording.tilt_response import tilt_response
 from tests.recording.simulated import Cosines, simulated
 
@@ -16,10 +16,10 @@ SLOW_AND_SMALL = Cosines((0.004, 0.003), (0.4, 0.9))
 FAST = Cosines((0.01, 0.005), (11.0, 19.0))  # α̈ moves the ball more than gravity does
 
 
-def suspect(*args: object, **options: object) -> Suspect:
-    """A simulated recording as the suspicions see it."""
+def signals(*args: object, **options: object) -> Signals:
+    """The signals of a simulated recording."""
     time, angle, position = simulated(*args, **options)
-    return Suspect(time, angle, position, np.zeros(len(time), bool))
+    return Signals(time, angle, position, np.zeros(len(time), bool))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -41,8 +41,8 @@ def suspect(*args: object, **options: object) -> Suspect:
     ids=("plain", "noisy", "clean", "10 Hz", "500 Hz", "short", "slow", "level", "deep groove", "fast", "hanging"),
 )
 def test_sound_recordings(motion: Cosines, rig: Rig, options: dict[str, float], seed: int) -> None:
-    """Suspect nothing in what a sound rig records, however it moves."""
-    assert suspicions(suspect(motion, rig, seed=seed, **options)) == []
+    """Warn of nothing in a plausible recording, however the beam and the ball move."""
+    assert implausible(signals(motion, rig, seed=seed, **options)) == []
 
 
 SLIPS = {
@@ -62,18 +62,18 @@ SLIPS = {
 @pytest.mark.parametrize("name", SLIPS)
 @pytest.mark.parametrize("options", [{}, {"noise": 0.002}, {"step": 0.05}], ids=("plain", "noisy", "20 Hz"))
 def test_slips_are_named(name: str, options: dict[str, float]) -> None:
-    """Name the one slip that was made, and nothing else."""
+    """Name the one wrong unit or sign, and nothing else."""
     change, words = SLIPS[name]
-    sound = suspect(**options)
+    sound = signals(**options)
     time, angle, position = change(sound.time, sound.angle, sound.position)
-    (text,) = suspicions(replace(sound, time=time, angle=angle, position=position))
+    (text,) = implausible(replace(sound, time=time, angle=angle, position=position))
     assert words in text
 
 
 def test_degrees_and_sign_together() -> None:
-    """Name both slips when the angle is in degrees and reversed."""
-    sound = suspect()
-    found = suspicions(replace(sound, angle=-np.degrees(sound.angle)))
+    """Name both errors if the angle is in degrees and reversed."""
+    sound = signals()
+    found = implausible(replace(sound, angle=-np.degrees(sound.angle)))
     assert len(found) == 2
     assert "degrees" in found[0]
     assert "reversed" in found[1]
@@ -89,44 +89,44 @@ def test_degrees_and_sign_together() -> None:
     ids=("degrees", "millimetres", "milliseconds"),
 )
 def test_magnitudes_speak_where_the_ball_rests(change: dict[str, float], words: str) -> None:
-    """Fall back on plausible magnitudes where a resting ball tells nothing."""
+    """Check plain magnitudes if the ball rests and the regression is inconclusive."""
     time, angle, _ = simulated()
     position = 0.3 + np.random.default_rng(8).normal(0, 3e-4, len(time))
     values = {"time": time, "angle": angle, "position": position}
     values |= {name: factor * values[name] for name, factor in change.items()}
-    (text,) = suspicions(Suspect(**values, outlier=np.zeros(len(time), bool)))
+    (text,) = implausible(Signals(**values, outlier=np.zeros(len(time), bool)))
     assert words in text
 
 
 def test_ball_off_the_beam() -> None:
     """Compare positions with the beam's length where it is known."""
-    sound = suspect(start=0.2)
-    assert suspicions(replace(sound, length=0.7)) == []
-    (text,) = suspicions(replace(sound, length=0.4))
+    sound = signals(start=0.2)
+    assert implausible(replace(sound, length=0.7)) == []
+    (text,) = implausible(replace(sound, length=0.4))
     assert "do not fit on a beam of 0.4 m" in text
 
 
 def test_constant_channels() -> None:
-    """Ask for the sensor whose channel never changes."""
-    sound = suspect()
+    """Warn about a channel that never changes."""
+    sound = signals()
     still = np.zeros_like(sound.angle)
-    assert "angle never changes" in suspicions(replace(sound, angle=still))[0]
-    assert "position never changes" in suspicions(replace(sound, position=still + 0.3))[0]
+    assert "angle never changes" in implausible(replace(sound, angle=still))[0]
+    assert "position never changes" in implausible(replace(sound, position=still + 0.3))[0]
 
 
 def test_declared_resolution() -> None:
-    """Compare the steps seen with those declared, in both directions, allowing for a data sheet's rounding."""
-    sound = suspect()
-    assert suspicions(replace(sound, angle_resolution=1.6e-4, position_resolution=1e-4)) == []
-    assert "coarser" in suspicions(replace(sound, angle_resolution=1e-5))[0]
-    assert "finer" in suspicions(replace(sound, position_resolution=1e-3))[0]
+    """Compare inferred with declared resolutions, finer or coarser, with a margin for a data sheet's rounding."""
+    sound = signals()
+    assert implausible(replace(sound, angle_resolution=1.6e-4, position_resolution=1e-4)) == []
+    assert "coarser" in implausible(replace(sound, angle_resolution=1e-5))[0]
+    assert "finer" in implausible(replace(sound, position_resolution=1e-3))[0]
 
 
 def test_unknown_positions_silence_physics() -> None:
-    """Judge only what is known: without positions only the magnitude of the angle can be wrong."""
-    sound = suspect()
+    """Without positions, check only the magnitude of the angle."""
+    sound = signals()
     unknown = np.full_like(sound.position, np.nan)
-    assert suspicions(replace(sound, position=unknown)) == []
+    assert implausible(replace(sound, position=unknown)) == []
 
 
 def test_slope_is_that_of_a_rolling_ball() -> None:

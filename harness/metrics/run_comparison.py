@@ -1,4 +1,4 @@
-"""One model run beside the measurement of it: what every metric starts from."""
+"""One model run and the measurement on common time stamps: the input of every metric."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from harness.errors import InputError
 
 
 def trapezoid_weights(time: FloatArray) -> FloatArray:
-    """Weights w of the trapezoidal rule, ∫ f dt ≈ Σ w f, on uneven stamps.
+    """Weights w of the trapezoidal rule, ∫ f dt ≈ Σ w f, on unevenly spaced stamps.
 
     Args:
         time: strictly increasing, shape (n,) [s].
 
     Returns:
-        shape (n,) [s]; they add up to time[-1] − time[0]. A single stamp weighs 0.
+        shape (n,) [s]; their sum is time[-1] − time[0]. A single stamp has weight 0.
     """
     half = 0.5 * np.diff(time)
     weights = np.zeros(len(time))
@@ -28,27 +28,27 @@ def trapezoid_weights(time: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """A model's run and what was measured meanwhile, on common stamps.
+class RunComparison:
+    """A model run and the measurement, on common time stamps.
 
-    Only *valid* stamps enter a metric: the measured position is known (finite) there and `use` does not exclude it. A
-    model that ran away to infinity is no error here: its metrics are infinite or NaN, and meet no limit.
+    Metrics use *valid* stamps only: the measured position is finite and not excluded by `use`. A diverged model raises
+    no error; its metrics are infinite or NaN, and satisfy no limit.
 
     Attributes:
-        time: strictly increasing, uneven is fine, shape (n,) [s].
-        measured: ball position, NaN where it is not known, shape (n,) [m].
+        time: strictly increasing, possibly uneven, shape (n,) [s].
+        measured: ball position, NaN if unknown, shape (n,) [m].
         model: the model's ball position, shape (n,) [m].
-        measured_velocity: a smoothed estimate of the ball's velocity, NaN where there is none, shape (n,) [m/s].
+        measured_velocity: smoothed estimate of the ball's velocity, NaN if unknown, shape (n,) [m/s].
         model_velocity: the model's ball velocity, shape (n,) [m/s].
-        use: False at outliers, shape (n,); None for all.
-        uncertainty: u_val, one standard deviation of `model` − `measured` to be expected of a perfect model,
-            shape (n,) [m]; None if it is not known.
-        start: the measured start of the run, from which displacements are counted [m]; None for the first valid
-            position. Where the sensor is noisy, give the estimated start.
+        use: False at outliers, shape (n,); None to use all stamps.
+        uncertainty: u_val, the standard deviation of `model` − `measured` for a perfect model, shape (n,) [m]; None if
+            unknown.
+        start: measured start of the run, the zero of displacements [m]; None for the first valid position. Pass the
+            estimated start if the sensor is noisy.
 
     Raises:
-        ValueError: shapes differ, stamps do not increase, or an uncertainty is not positive.
-        InputError: no valid position.
+        ValueError: shapes differ, stamps are not increasing, or an uncertainty is not positive.
+        InputError: there is no valid position.
     """
 
     time: FloatArray
@@ -71,31 +71,31 @@ class Comparison:
             raise ValueError("uncertainty must be positive at every stamp")
         if not self.valid.any():
             raise InputError(
-                f"no ball position is known between t = {self.time[0]:g} s and {self.time[-1]:g} s, so there is "
-                "nothing to compare with; choose another horizon or leave this stretch out"
+                f"no ball position is known between t = {self.time[0]:g} s and {self.time[-1]:g} s to compare "
+                "with; choose another horizon or leave this part out"
             )
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """Where the measured position counts, shape (n,)."""
+        """Stamps with a valid measured position, shape (n,)."""
         known = np.isfinite(self.measured)
         return known if self.use is None else known & self.use
 
     @property
     def velocity_valid(self) -> NDArray[np.bool_]:
-        """Where the measured velocity counts: at valid stamps at which there is an estimate, shape (n,)."""
+        """Valid stamps with a velocity estimate, shape (n,)."""
         if self.measured_velocity is None or self.model_velocity is None:
             return np.zeros(self.time.shape, dtype=np.bool_)
         return self.valid & np.isfinite(self.measured_velocity)
 
     @property
     def error(self) -> FloatArray:
-        """e_s = s_model − s_measured at the valid stamps [m]; infinite where the model is not finite."""
+        """e_s = s_model − s_measured at the valid stamps [m]; infinite if the model is not finite."""
         return _difference(self.model[self.valid], self.measured[self.valid])
 
     @property
     def velocity_error(self) -> FloatArray:
-        """e_v = ṡ_model − ṡ_measured where the velocity counts [m/s]; infinite where the model is not finite."""
+        """e_v = ṡ_model − ṡ_measured at valid stamps with a velocity [m/s]; infinite if the model is not finite."""
         if self.measured_velocity is None or self.model_velocity is None:
             return np.empty(0)
         where = self.velocity_valid
@@ -103,7 +103,7 @@ class Comparison:
 
     @property
     def displacement(self) -> tuple[FloatArray, FloatArray]:
-        """(measured, model) at the valid stamps, both counted from the measured start [m]."""
+        """(measured, model) at the valid stamps, relative to the measured start [m]."""
         measured = self.measured[self.valid]
         start = float(measured[0]) if self.start is None else self.start
         return measured - start, self.model[self.valid] - start

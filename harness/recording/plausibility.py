@@ -1,0 +1,201 @@
+"""Plausibility checks of a valid recording: units, signs, exchanged columns, positions off the beam.
+
+The main check uses physics (see `tilt_response`): the ball's acceleration is proportional to the tilt with a known
+factor, so a wrong unit shows as a wrong factor. Plain magnitudes are checked only if this regression is inconclusive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+from harness.recording.resolution import inferred_resolution
+from harness.recording.tilt_response import TiltResponse, tilt_response
+
+PLAUSIBLE_SLOPE = (0.2, 1.5)  # K is 0.4 … 0.8; margin for friction, gain errors and noise, below any unit factor
+EXCHANGED_SLOPE = (0.4, 0.8)  # K of a rolling ball, without margin
+MIN_CORRELATION, MIN_T_VALUE = 0.8, 6.0  # of a conclusive regression
+MAX_ANGLE = 0.7  # 40°: beyond it balls leave their beams [rad]
+MAX_POSITION = 5.0  # [m]
+MAX_STEP = 1.0  # [s]
+RESOLUTION_TOLERANCE = 1.3  # data sheets round resolutions
+MIN_LEVELS = 20  # fewer levels may be multiples of two steps by chance
+
+UNIT_ERRORS = (
+    (math.pi / 180, "the angle seems to be in degrees, not radians; name its column beam_angle_deg"),
+    (1e3, "the position seems to be in millimetres, not metres; name its column ball_position_mm"),
+    (1e2, "the position seems to be in centimetres, not metres; name its column ball_position_cm"),
+    (
+        1e3 * math.pi / 180,
+        "the angle seems to be in degrees and the position in millimetres; name the columns beam_angle_deg and "
+        "ball_position_mm",
+    ),
+    (1e-3, "the position seems to be a thousand times too small, or the angle in milliradians; check their units"),
+    (1e-6, "the time seems to be in milliseconds, not seconds; name its column time_ms"),
+    (1e6, "the time seems to be in seconds, not milliseconds; name its column time_s"),
+    (1e-12, "the time seems to be in microseconds, not seconds; name its column time_us"),
+)
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The signals that are checked, in SI units according to the column names; arrays of shape (n,).
+
+    Attributes:
+        time: strictly increasing [s].
+        angle: α, free of NaN [rad].
+        position: s, NaN if unknown [m].
+        outlier: true where the position is a spike.
+        gravity: g [m/s²].
+        length: beam length, if known [m].
+        angle_resolution: declared resolution, if known [rad].
+        position_resolution: declared resolution, if known [m].
+    """
+
+    time: FloatArray
+    angle: FloatArray
+    position: FloatArray
+    outlier: NDArray[np.bool_]
+    gravity: float = 9.81
+    length: float | None = None
+    angle_resolution: float | None = None
+    position_resolution: float | None = None
+
+
+def implausible(signals: Signals) -> list[str]:
+    """Warnings, each with observation and remedy; empty for a plausible recording."""
+    physics = list(_against_physics(signals))
+    plain = [] if physics else list(_implausible_magnitudes(signals))
+    outside = [] if physics or plain else list(_off_the_beam(signals))
+    return [*physics, *plain, *outside, *_constant(signals), *_quantisation(signals)]
+
+
+def _against_physics(signals: Signals) -> Iterator[str]:
+    run = _longest_known_run(signals)
+    if run is None:
+        return
+    step, angle, position = run
+    response = tilt_response(step, angle, position, gravity=signals.gravity)
+    if response is None:
+        return
+    if _is_conclusive(response) and _plausible(response.slope):
+        return
+    # A short swing may fit either assignment; a ball's travel in metres exceeds the beam's swing in radians.
+    if np.max(np.abs(angle)) > np.max(np.abs(position)):
+        exchanged = tilt_response(step, position, angle, gravity=signals.gravity)
+        if (
+            exchanged is not None
+            and exchanged.t_value > response.t_value
+            and _is_conclusive(exchanged)
+            and EXCHANGED_SLOPE[0] <= exchanged.slope <= EXCHANGED_SLOPE[1]
+        ):
+            yield (
+                "the angle and the position seem to be exchanged: the acceleration of the angle column follows "
+                f"the position column as a ball follows the tilt (correlation {exchanged.correlation:.2f}); "
+                "swap the column names."
+            )
+            return
+    if not _is_conclusive(response):
+        return
+    size = abs(response.slope)
+    observed = f"the ball's acceleration is {response.slope:.3g} g α, where a rolling ball has 0.4 to 0.8 g α"
+    if not _plausible(size):
+        cause = next((text for factor, text in UNIT_ERRORS if _plausible(size / factor)), None)
+        yield f"{observed}: {cause or 'check the units of all columns and the gain of the sensors'}."
+    if response.slope < 0:
+        yield (
+            f"{observed}: the sign of the angle or of the position is reversed. A positive angle must lower the "
+            "+s end; negate one of the two columns."
+        )
+
+
+def _is_conclusive(response: TiltResponse) -> bool:
+    return abs(response.correlation) >= MIN_CORRELATION and response.t_value >= MIN_T_VALUE
+
+
+def _plausible(slope: float) -> bool:
+    return PLAUSIBLE_SLOPE[0] <= slope <= PLAUSIBLE_SLOPE[1]
+
+
+def _longest_known_run(signals: Signals) -> tuple[float, FloatArray, FloatArray] | None:
+    """Step, angle and position on an even grid over the longest interval without a gap in time or position."""
+    known = np.flatnonzero(np.isfinite(signals.position) & ~signals.outlier)
+    if len(known) < 2:
+        return None
+    step = float(np.median(np.diff(signals.time)))
+    breaks = np.flatnonzero(np.diff(signals.time[known]) > 5 * step) + 1
+    part = max(np.split(known, breaks), key=len)
+    grid = np.arange(signals.time[part[0]], signals.time[part[-1]] + 0.5 * step, step)
+    angle = np.interp(grid, signals.time, signals.angle)
+    return step, angle, np.interp(grid, signals.time[part], signals.position[part])
+
+
+def _implausible_magnitudes(signals: Signals) -> Iterator[str]:
+    step = float(np.median(np.diff(signals.time)))
+    if step > MAX_STEP:
+        yield (
+            f"samples are {step:.3g} s apart: if these are milliseconds or microseconds, name the column time_ms or "
+            "time_us."
+        )
+    angle = float(np.max(np.abs(signals.angle)))
+    if angle > MAX_ANGLE:
+        yield (
+            f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): if it is in degrees, name its column "
+            "beam_angle_deg."
+        )
+    positions = _valid_positions(signals)
+    if len(positions) and np.max(np.abs(positions)) > MAX_POSITION:
+        yield (
+            f"the position reaches {np.max(np.abs(positions)):.3g} m: if it is in millimetres or centimetres, "
+            "name its column ball_position_mm or ball_position_cm."
+        )
+
+
+def _off_the_beam(signals: Signals) -> Iterator[str]:
+    positions = _valid_positions(signals)
+    if signals.length is None or not len(positions):
+        return
+    if np.ptp(positions) > signals.length or np.max(np.abs(positions)) > signals.length:
+        yield (
+            f"the ball's positions, {np.min(positions):.3g} to {np.max(positions):.3g} m, do not fit on a beam of "
+            f"{signals.length:.3g} m; check length_m and the position's unit and origin."
+        )
+
+
+def _valid_positions(signals: Signals) -> FloatArray:
+    return signals.position[np.isfinite(signals.position) & ~signals.outlier]
+
+
+def _constant(signals: Signals) -> Iterator[str]:
+    if np.ptp(signals.angle) == 0.0:
+        yield "the angle never changes; check that its sensor was connected."
+    positions = _valid_positions(signals)
+    if len(positions) > 1 and np.ptp(positions) == 0.0:
+        yield "the position never changes; check that its sensor was connected."
+
+
+def _quantisation(signals: Signals) -> Iterator[str]:
+    for name, unit, values, declared in (
+        ("angle", "rad", signals.angle, signals.angle_resolution),
+        ("position", "m", signals.position, signals.position_resolution),
+    ):
+        if declared is None or len(np.unique(values[np.isfinite(values)])) < MIN_LEVELS:
+            continue
+        seen = inferred_resolution(values)
+        if seen is None:
+            continue
+        if seen > declared * RESOLUTION_TOLERANCE:
+            yield (
+                f"the {name} changes in steps of {seen:.4g} {unit}, coarser than the declared {declared:.4g} {unit}; "
+                f"correct {name}_resolution_{unit} or record with more digits."
+            )
+        elif seen < declared / RESOLUTION_TOLERANCE:
+            yield (
+                f"the {name} changes in steps of {seen:.4g} {unit}, finer than the declared {declared:.4g} {unit}; "
+                f"correct {name}_resolution_{unit}."
+            )
