@@ -14,11 +14,17 @@ from harness.comparison.attribution import Attribution, attribute
 from harness.comparison.horizons import Horizon
 from harness.comparison.paper import Claim, Difference, Inputs, claims, differences
 from harness.comparison.setting import Setting
-from harness.comparison.sources import Progress, SourceRuns, run_all
+from harness.comparison.sources import SourceRuns, run_all
 from harness.comparison.uncertainty import displacements, uncertainty
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.metrics import Comparison, Score, score
+from harness.progress import Progress, Stage, silent
+
+# Shares of the whole time at which stages begin and end: of the bundled recording, on two cores.
+_RUNS = (0.1, 0.4)
+_SCORES = 0.5
+_STEPS = (0.5, 0.75)
 
 
 @dataclass(frozen=True)
@@ -74,27 +80,29 @@ class Study:
 def study(
     setting: Setting,
     engines: Sequence[tuple[Engine, EngineParameters]],
-    progress: Progress = lambda _: None,
+    progress: Progress = silent,
 ) -> Study:
     """Run, score and explain everything. Engine failures are kept in the result, not raised."""
-    runs = run_all(setting, list(MODELS.values()), engines, progress)
-    progress("uncertainty of start and angle")
+    every = len(setting.horizons) * (len(engines) + 1)
+    runs = run_all(setting, list(MODELS.values()), engines, Stage(progress, *_RUNS, every))
+    progress("uncertainty of start and angle", share=_RUNS[1])
     moved = displacements(setting)
     u_val = [uncertainty(setting, one) for one in moved]
     headline = headline_of(setting, u_val)
     spread = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
     inputs = Inputs(spread[headline.name], moved[setting.horizons.index(headline)])
-    progress("scores")
+    progress("scores", share=_SCORES)
     scores = [_score(setting, run, spread[run.horizon.name]) for run in runs]
     whole = setting.horizons[0]
     by_name = {run.source: run for run in runs if run.horizon is whole}
     attributions = []
-    for engine, parameters in engines:
-        progress(f"{engine.name}, other steps")
+    for number, (engine, parameters) in enumerate(engines):
+        done = number / len(engines)
+        progress(f"{engine.name}, other steps", share=_STEPS[0] + done * (_STEPS[1] - _STEPS[0]))
         one = attribute(setting, engine, parameters, by_name[engine.name], by_name[CAM.name])
         if one is not None:
             attributions.append(one)
-    progress("ablation")
+    progress("ablation", share=_STEPS[1])
     combinations = ablate(setting, headline)
     return Study(
         setting=setting,

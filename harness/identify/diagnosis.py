@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,13 @@ from harness.identify.validation.baseline_comparison import Contest, contest
 from harness.identify.validation.engine_errors import engine_errors, engines_running
 from harness.identify.validation.held_out import Comparison, Split, held_out, on_another, on_identify, splits
 from harness.identify.verdict import RIVAL, Search, Verdict, search
+from harness.progress import Progress, Stage, silent
+
+# Where each stage begins and ends as a share of the whole time, and about how many texts it tells: of the cases handed
+# out with the project on two cores, typically.
+_SEARCH = (0.05, 0.5, 100.0)
+_VALIDATION = (0.5, 0.75, 10.0)
+_ENGINES = (0.75, 0.92, 10.0)
 
 
 @dataclass(frozen=True)
@@ -49,38 +56,45 @@ class Diagnosis(Search):
 
 def diagnose(
     problem: Problem,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = silent,
     *,
     also: Sequence[Record] = (),
     length: float | None = None,
+    jobs: int = 1,
 ) -> Diagnosis:
-    """Find, trace, verify, on the recordings `also` too, which nothing is fitted to; and propose the next experiment.
+    """Find what acts, verify it by held-out predictions and by the engines, and propose the next experiment.
 
-    On a beam of known `length` [m] that may use all of it.
+    Args:
+        progress: told what is being done.
+        also: further recordings, to which nothing is fitted, to verify on.
+        length: of the beam, where it is known; the next experiment may use all of it [m].
+        jobs: processes for the engines' runs (`harness.parallel`); 1 for this one.
     """
-    said = reconsider(search(problem, progress), progress)
-    held = splits(problem, said.base, said.found, progress)
+    searching, validating, running = (Stage(progress, *stage) for stage in (_SEARCH, _VALIDATION, _ENGINES))
+    said = reconsider(search(problem, searching), searching)
+    held = splits(problem, said.base, said.found, validating)
     others = {
         one.name: Another(
-            on_another(problem, said.base, said.found, one, progress),
-            engine_errors(Split(problem, said.base, said.found, (one,)), progress=progress),
+            on_another(problem, said.base, said.found, one, validating),
+            engine_errors(Split(problem, said.base, said.found, (one,)), progress=validating, jobs=jobs),
         )
         for one in also
     }
-    with engines_running(Split(problem, said.base, said.found, problem.records), held, progress) as engines:
+    seen = Split(problem, said.base, said.found, problem.records)
+    with engines_running(seen, held, running, jobs=jobs) as engines:
         return Diagnosis(
             **vars(said),
-            identify=on_identify(problem, said.base, said.found, progress),
+            identify=on_identify(problem, said.base, said.found, validating),
             heldout=held_out(held),
             also=others,
-            next_experiment=_next(said, length, progress),
-            contest=contest(held, progress),
+            next_experiment=_next(said, length, validating),
+            contest=contest(held, validating),
             hidden=hidden_by(problem.unknown),
             engines=engines(),
         )
 
 
-def _next(said: Search, length: float | None, progress: Callable[[str], None]) -> Proposal | None:
+def _next(said: Search, length: float | None, progress: Progress) -> Proposal | None:
     """What tells the found from its rivals; where nothing was found, what shows most of what would go unseen."""
     progress("the next experiment")
     if said.verdict in (Verdict.EFFECT, Verdict.UNLISTED):

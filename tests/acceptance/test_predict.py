@@ -7,8 +7,8 @@ import stat
 from pathlib import Path
 
 import pytest
-
 from harness.cli.outputs import to_json
+
 from harness.identify.estimate.fit import fit
 from harness.identify.model_file import model_record
 from harness.identify.problem.hypothesis import Hypothesis

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.cli.diagnose import as_record, input_hashes
+from harness.api.assemble import diagnosis_record
+from harness.api.diagnosis import input_hashes
 from harness.comparison.setting import ball_of
 from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
@@ -75,7 +76,7 @@ def diagnosis(case):
 @pytest.fixture(scope="module")
 def record(diagnosis, case):
     """What is written to diagnosis.json."""
-    return as_record(diagnosis, case, 1.0, input_hashes(case))
+    return diagnosis_record(diagnosis, case, 1.0, input_hashes(case))
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +183,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
 def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
     none = replace(diagnosis, verdict=Verdict.NONE, findings=(), found=diagnosis.base, heldout=diagnosis.heldout)
-    page = render_diagnosis(none, as_record(none, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(none, diagnosis_record(none, case, 1.0, input_hashes(case)), case)
     assert "Nothing is missing beyond the noise" in page
     assert "What was missing" not in page
     assert 'id="rivals"' not in page
@@ -203,7 +204,7 @@ def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
     )
     ledger = (*diagnosis.ledger, *tried)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=ledger)
-    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "the nearest is curve of angle," in page
 
 
@@ -213,7 +214,7 @@ def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
     entry = Entry("curve of position", (), diagnosis.base.bic - found.bic, True, "gains", found, diagnosis.base)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=(*diagnosis.ledger, entry))
-    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the curve") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(curve.nodes)

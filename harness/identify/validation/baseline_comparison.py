@@ -7,8 +7,8 @@ sensor errs in a way that is not white. For this contest it is chosen on the pie
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,9 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.problem import Problem
-from harness.identify.validation.baselines import AHEAD, Window, fit_double_integrator, fit_output_error, windows_of
-from harness.identify.validation.held_out import KNOWN, Split
+from harness.identify.validation.baselines import Window, fit_double_integrator, fit_output_error, windows_of
+from harness.identify.validation.held_out import Split
+from harness.progress import Progress, silent
 
 BEFORE, AFTER = "before", "after"
 INTEGRATOR, BLACK_BOX = "double_integrator", "output_error"
@@ -26,8 +27,6 @@ YARDSTICKS = (INTEGRATOR, BLACK_BOX)
 _LEAST = 4  # windows from which a difference can be judged
 _RESAMPLES = 9999
 _DENSITIES = 10.0 ** np.arange(-9.0, -1.0)  # of the process noise that are tried [m²/s³]
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -67,21 +66,6 @@ class Contest:
         """Windows that the model with what was found predicts better."""
         return int(np.sum(self.misses[AFTER] < self.misses[yardstick]))
 
-    def record(self) -> dict[str, Any]:
-        """As in diagnosis.json."""
-        better: dict[str, Any] = {}
-        for yardstick in YARDSTICKS:
-            margin = self.margin(yardstick)
-            better[yardstick] = None if margin is None else {**asdict(margin), "sure": margin.sure}
-        return {
-            "known_s": KNOWN,
-            "ahead_s": AHEAD,
-            "windows": self.windows,
-            "rms_m": {contender: self.rms(contender) for contender in self.misses},
-            "windows_won": {yardstick: self.won(yardstick) for yardstick in YARDSTICKS},
-            "better_by_m": better,
-        }
-
 
 def margin(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margin:
     """By how much errors of the same windows, shape (windows,) [m], are less `after`.
@@ -97,7 +81,7 @@ def margin(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margi
     return Margin(float(_rms(before) - _rms(after)), float(low), float(high))
 
 
-def contest(held: Sequence[Split], progress: Progress = lambda _: None) -> Contest | None:
+def contest(held: Sequence[Split], progress: Progress = silent) -> Contest | None:
     """Let the model, before and after, and the yardsticks predict what was held out; `None` if that has no window.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,11 +13,10 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
 from harness.identify.validation.whiteness import Dependence, joined, on_beam
+from harness.progress import Progress, silent
 
 KNOWN = 2.0  # of each prediction [s]: what comes before it is known
 HORIZONS = (1.0, 2.0, 3.0, 5.0)
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ class Errors:
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
-def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = lambda _: None) -> Errors:
+def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = silent) -> Errors:
     """Prediction errors of `found` over `records`.
 
     "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
@@ -111,7 +110,7 @@ class Split:
     left: tuple[Record, ...]
 
 
-def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[Split, ...]:
+def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[Split, ...]:
     """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
     made = []
     for rest, left in parts(problem):

@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from harness.cli.outputs import to_json
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -22,7 +21,7 @@ from harness.identify.selection.stepwise import select
 from tests.identify.conftest import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
-INPUTS = {"hashes": {"rec_01.csv": "0123"}, "versions": {"numpy": "2.0"}}
+INPUTS = SourcesRecord(hashes={"rec_01.csv": "0123"}, versions={"numpy": "2.0"})
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,7 @@ def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, list[En
 def kept(searched: tuple[Problem, list[Entry]]) -> dict[str, Any]:
     """Its record, through JSON and back."""
     problem, ledger = searched
-    return json.loads(to_json(ledger_record(problem, fit(problem, Hypothesis(())), ledger, INPUTS)))
+    return json.loads(ledger_record(problem, fit(problem, Hypothesis(())), ledger, INPUTS).model_dump_json())
 
 
 def test_every_attempt_has_its_reference(searched: tuple[Problem, list[Entry]]) -> None:
@@ -48,7 +47,7 @@ def test_every_attempt_has_its_reference(searched: tuple[Problem, list[Entry]]) 
 
 def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, list[Entry]], kept: dict[str, Any]) -> None:
     """Find every hash, deviance and decision again; on one machine to the bit."""
-    done = replay(kept, searched[0])
+    done = replay(LedgerRecord.model_validate(kept), searched[0])
     assert done.mismatches == ()
     assert done.largest == 0.0
     assert done.attempts == len(searched[1])
@@ -93,7 +92,7 @@ def test_what_was_changed_is_named(
     """Name what no longer comes out, and the hash that no longer fits."""
     record = copy.deepcopy(kept)
     text = forge(record)
-    said = [one.what for one in replay(record, searched[0]).mismatches]
+    said = [one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches]
     assert any(text in one for one in said), said
     assert any("does not give its hash" in one for one in said), said
 
@@ -101,7 +100,7 @@ def test_what_was_changed_is_named(
 def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
     """Reproduce nothing from recordings of the same rig with other noise."""
     other = pose(tmp_path / "case", 1, HIDDEN).problem
-    said = [one.what for one in replay(kept, other).mismatches]
+    said = [one.what for one in replay(LedgerRecord.model_validate(kept), other).mismatches]
     assert sum("deviance" in one for one in said) == len(kept["fits"])
 
 
@@ -119,5 +118,5 @@ def test_a_search_that_began_again_replays(
         monkeypatch.setattr(f"harness.identify.selection.stepwise.{name}", value)
     _, ledger = select(problem, base)
     assert {"again", "either"} <= {entry.rule for entry in ledger}
-    record = json.loads(to_json(ledger_record(problem, base, ledger, INPUTS)))
+    record = ledger_record(problem, base, ledger, INPUTS)
     assert replay(record, problem).mismatches == ()

@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 
 import click
+import harness.cli.progress
 import pytest
 from click.testing import CliRunner
+from harness.cli.progress import told_on_stderr
 from rich.console import Console
 
-import harness.cli.progress
-from harness.cli.progress import told_on_stderr
 from harness.errors import InputError
 
 WIDTH = 60
