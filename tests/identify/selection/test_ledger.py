@@ -14,6 +14,7 @@ import pytest
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.record import LedgerRecord, SourcesRecord
 from harness.identify.selection.candidates import Entry
 from harness.identify.selection.ledger import ledger_record
 from harness.identify.selection.replay import replay
