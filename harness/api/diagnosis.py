@@ -161,7 +161,7 @@ def diagnose(
             record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further)
             made = Diagnosis(record, case, found, effects=own, asked=asked)
             if scratch is not None and asked.out is not None:
-                tell("report", share=0.92)
+                tell("report", share=0.95)
                 made._write(scratch, asked.out, jobs)
     return made
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-
-from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
-from rich.table import Column
+from typing import TYPE_CHECKING
 
 from harness.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress as Bar
 
 
 @contextmanager
@@ -24,15 +24,19 @@ def shown(progress: bool | Progress) -> Iterator[Progress]:
     if not isinstance(progress, bool):
         yield progress
         return
-    console = Console(stderr=True)
     if not progress:
         yield silent
-    elif console.is_terminal or console.is_jupyter:
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if console.is_terminal or console.is_jupyter:
         with _bar(console) as bar:
             task = bar.add_task("", total=1.0)
 
             def renew(text: str, *, share: float | None = None) -> None:
-                bar.update(task, description=text, completed=share, refresh=True)
+                done = max(bar.tasks[task].completed, share or 0.0)  # nothing that is done becomes undone
+                bar.update(task, description=text, completed=done, refresh=True)
 
             yield renew
     else:
@@ -46,6 +50,10 @@ def shown(progress: bool | Progress) -> Iterator[Progress]:
 
 
 def _bar(console: Console) -> Bar:
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+    from rich.table import Column
+
     return Bar(
         TextColumn("{task.description}", markup=False, table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),
         BarColumn(bar_width=24),

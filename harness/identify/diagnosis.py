@@ -19,9 +19,9 @@ from harness.progress import Progress, Stage, silent
 
 # Where each stage begins and ends as a share of the whole time, and about how many texts it tells: of the cases handed
 # out with the project on two cores, typically.
-_SEARCH = (0.05, 0.5, 100.0)
-_VALIDATION = (0.5, 0.75, 10.0)
-_ENGINES = (0.75, 0.92, 10.0)
+_SEARCH = (0.1, 0.5, 60.0)
+_VALIDATION = (0.5, 0.7, 5.0)
+_ENGINES = (0.7, 0.95, 10.0)
 
 
 @dataclass(frozen=True)

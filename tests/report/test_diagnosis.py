@@ -138,7 +138,7 @@ def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
     rows = re.findall(r'<tr class="(\w*)">.*?</tr>', table)
     assert rows == ["best" if one.kept else "" for one in diagnosis.ledger]
     assert all(one.because in table for one in diagnosis.ledger)
-    hashes = [line["hash"] for line in record["ledger"]]
+    hashes = [line.hash for line in record.ledger]
     assert all(f"<code>{one[:8]}</code>" in table for one in hashes)
 
 
