@@ -34,7 +34,9 @@ Number = Annotated[Finite | None, BeforeValidator(_null)]
 class Part(BaseModel):
     """A part of the record; it is read from JSON, or from the attributes of a dataclass."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True, populate_by_name=True, defer_build=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, from_attributes=True, populate_by_name=True, defer_build=True
+    )
 
 
 class ParameterRecord(Part):

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from harness.api.outputs import all_or_nothing, manifest, metrics, to_json, trajectories, write_tables
 
+from harness.api.outputs import all_or_nothing, manifest, metrics, to_json, trajectories, write_tables
 from harness.comparison import Choices, Study, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.errors import InputError
