@@ -64,7 +64,7 @@ def _spikes_of_part(
 
 
 def _running_median(values: FloatArray, size: int) -> FloatArray:
-    """The median of `size` samples around each, mirrored at the ends, as of `scipy.ndimage`, which is slow to import."""
+    """The median of `size` samples around each, mirrored at the ends (as scipy.ndimage, slow to import, has it)."""
     middle = size // 2
     padded = np.pad(values, (middle, size - 1 - middle), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, size)

@@ -8,7 +8,14 @@ from harness.identify.estimate.fit import fit
 from harness.identify.model_file import model_record
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
-from harness.identify.record import AllErrorsRecord, BeforeAfterRecord, DiagnosisRecord, ErrorsRecord, InputsRecord
+from harness.identify.record import (
+    AllErrorsRecord,
+    BeforeAfterRecord,
+    DiagnosisRecord,
+    ErrorsRecord,
+    InputsRecord,
+    SourcesRecord,
+)
 from harness.identify.selection.ledger import ledger_record
 from harness.recording import load_case
 
@@ -21,8 +28,7 @@ def nothing_missing(folder: Path) -> DiagnosisRecord:
     case = load_case(folder)
     problem, _ = problem_of(case)
     base = fit(problem, Hypothesis(()))
-    inputs = InputsRecord(hashes={}, versions={}, also={}, seed=0)
-    ledger = ledger_record(problem, base, (), inputs)
+    ledger = ledger_record(problem, base, (), SourcesRecord(hashes={}, versions={}))
     return DiagnosisRecord(
         verdict="none",
         sentence="Nothing is missing.",
@@ -35,7 +41,7 @@ def nothing_missing(folder: Path) -> DiagnosisRecord:
         fits=ledger.fits,
         problem=ledger.problem,
         model=model_record(problem, base, case.sensors),
-        inputs=inputs,
+        inputs=InputsRecord(hashes={}, versions={}, also={}, seed=0),
         next_experiment=None,
         wall_time_s=0.0,
     )

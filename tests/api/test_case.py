@@ -30,6 +30,7 @@ def test_a_case_shows_what_is_in_it(folder: Path) -> None:
             *(f.text[:30] for f in case.findings),
         ):
             assert text in shown, text
+        assert all(finding.text[:30] in shown for finding in case.findings)
     assert "array(" not in repr(case)
 
 

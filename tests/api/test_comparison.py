@@ -72,5 +72,5 @@ def test_nothing_is_said_and_nothing_written_unasked(
 
 def test_a_bad_setting_raises_the_message_of_the_command(folder: Path) -> None:
     """Raise an error that names what there is."""
-    with pytest.raises(harness.InputError, match="mujoco has no parameter 'frction'. Did you mean 'friction'"):
+    with pytest.raises(harness.InputError, match=r"mujoco has no parameter 'frction'\. Did you mean 'friction'"):
         harness.compare(folder, settings={"mujoco": {"frction": 0.3}})

@@ -46,9 +46,14 @@ def test_a_terminal_shows_step_and_share(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_an_error_leaves_no_bar_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     """Erase the bar where the work ends by an error, before anything is said of it."""
     out = watched(monkeypatch, terminal=True)
-    with pytest.raises(InputError), shown(True) as tell:
-        tell("half done")
-        raise InputError("bad")
+
+    def fail() -> None:
+        with shown(True) as tell:
+            tell("half done")
+            raise InputError("bad")
+
+    with pytest.raises(InputError):
+        fail()
     assert out.getvalue().endswith("\x1b[2K")  # ECMA-48: erase the line
 
 
