@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from harness.identify.depends import depends_on
 from harness.identify.design import proposal
 from harness.identify.design.proposal import Proposal
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.model_file import model_record
 from harness.identify.problem.spline_term import Shape
+from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import (
     AllErrorsRecord,
     AlsoRecord,
@@ -24,18 +24,15 @@ from harness.identify.record import (
     LimitsRecord,
     MarginRecord,
     NextExperimentRecord,
-    ParameterRecord,
     SeparationRecord,
     ShapeRecord,
     SourcesRecord,
     UnlistedRecord,
 )
-from harness.identify.selection.ledger import ledger_record
-from harness.identify.validation.baseline_comparison import YARDSTICKS, Contest
-from harness.identify.validation.baselines import AHEAD
+from harness.identify.selection.ledger_record import ledger_record
+from harness.identify.validation.baseline_comparison import BASELINES, BaselineComparison
 from harness.identify.validation.engine_errors import entries
-from harness.identify.validation.held_out import KNOWN, Comparison, Errors
-from harness.identify.verdict import Finding
+from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.provenance import versions
 from harness.recording import Case, Recording
 from harness.report.wording import sentence
@@ -55,16 +52,14 @@ def diagnosis_record(
     """
     shape = found.found.best.shape
     inputs = SourcesRecord(hashes=dict(hashes), versions=versions())
-    ledger = ledger_record(found.problem, found.base, found.ledger, inputs)
+    ledger = ledger_record(found.problem, found.selection, inputs)
     return DiagnosisRecord(
         verdict=found.verdict.value,
         sentence=sentence(found),
-        effects=tuple(_effect(one) for one in found.findings),
+        effects=tuple(EffectRecord.model_validate(one) for one in found.effects),
         unlisted=None
         if shape is None
-        else UnlistedRecord(
-            depends_on=tuple(one.value for one in depends_on(found.found, found.ledger)), shape=_shape(shape)
-        ),
+        else UnlistedRecord(depends_on=tuple(one.value for one in found.depends_on), shape=_shape(shape)),
         errors=AllErrorsRecord(
             identify=_before_after(found.identify),
             heldout=_before_after(found.heldout),
@@ -78,7 +73,7 @@ def diagnosis_record(
             },
         ),
         hidden_by_unknown_rig=found.hidden,
-        baselines=None if found.contest is None else _baselines(found.contest),
+        baselines=None if found.baselines is None else _baselines(found.baselines),
         ledger=ledger.ledger,
         fits=ledger.fits,
         problem=ledger.problem,
@@ -88,17 +83,6 @@ def diagnosis_record(
         ),
         next_experiment=None if found.next_experiment is None else _next_experiment(found.next_experiment),
         wall_time_s=round(wall_time, 2),
-    )
-
-
-def _effect(one: Finding) -> EffectRecord:
-    return EffectRecord(
-        name=one.name,
-        parameters={
-            key: ParameterRecord(value=value, low=low, high=high, unit=unit)
-            for key, (value, low, high, unit) in one.values.items()
-        },
-        indistinguishable_from=one.indistinguishable_from,
     )
 
 
@@ -117,7 +101,7 @@ def _engines(engines: Mapping[str, object]) -> dict[str, EngineRecord]:
     return {name: EngineRecord.model_validate(one) for name, one in engines.items()}
 
 
-def _before_after(one: Comparison) -> BeforeAfterRecord:
+def _before_after(one: BeforeAfter) -> BeforeAfterRecord:
     return BeforeAfterRecord(before=_errors(one.before), after=_errors(one.after))
 
 
@@ -133,14 +117,14 @@ def _errors(one: Errors) -> ErrorsRecord:
     )
 
 
-def _baselines(contest: Contest) -> BaselinesRecord:
-    margins = {name: contest.margin(name) for name in YARDSTICKS}
+def _baselines(compared: BaselineComparison) -> BaselinesRecord:
+    margins = {name: compared.margin(name) for name in BASELINES}
     return BaselinesRecord(
         known_s=KNOWN,
         ahead_s=AHEAD,
-        windows=contest.windows,
-        rms_m={contender: contest.rms(contender) for contender in contest.misses},
-        windows_won={name: contest.won(name) for name in YARDSTICKS},
+        windows=compared.windows,
+        rms_m={source: compared.rms(source) for source in compared.errors},
+        windows_won={name: compared.won(name) for name in BASELINES},
         better_by_m={name: one and MarginRecord.model_validate(one) for name, one in margins.items()},
     )
 

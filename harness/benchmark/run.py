@@ -17,7 +17,7 @@ from harness.benchmark.pose import pose
 from harness.benchmark.rows import Named, Row
 from harness.benchmark.store import Store
 from harness.benchmark.trials import Trial
-from harness.identify.verdict import Search, search
+from harness.identify.verdict import Identification, identify
 
 # Read by the libraries when they are loaded, hence before a process begins.
 _ALONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -30,14 +30,14 @@ def diagnosed(trial: Trial, source: str) -> Row:
         with tempfile.TemporaryDirectory(prefix="calibration-") as folder:
             problem = pose(trial, Path(folder) / "case")
         begin = time.monotonic()
-        return _row(trial, source, search(problem), time.monotonic() - begin)
+        return _row(trial, source, identify(problem), time.monotonic() - begin)
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         text = f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})"
         return Row(trial=trial, source=source, verdict="", seconds=round(time.monotonic() - begin, 1), error=text)
 
 
-def _row(trial: Trial, source: str, said: Search, seconds: float) -> Row:
+def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row:
     floor, shape = said.problem.angle_floor, said.found.best.shape
     before, after = (one.root_density / floor if floor else math.nan for one in (said.base, said.found))
     return Row(
@@ -47,10 +47,10 @@ def _row(trial: Trial, source: str, said: Search, seconds: float) -> Row:
         named=tuple(
             Named(
                 one.name,
-                {key: (float(value), float(low), float(high)) for key, (value, low, high, _) in one.values.items()},
+                {key: (float(e.value), float(e.low), float(e.high)) for key, e in one.parameters.items()},
                 tuple(one.indistinguishable_from),
             )
-            for one in said.findings
+            for one in said.effects
         ),
         depends_on=None if shape is None else str(shape.depends),
         unexplained=(round(before, 3), round(after, 3)),

@@ -14,7 +14,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
 from harness.identify.problem.spline_term import Shape
 from harness.identify.record import ModelRecord, RigRecord, SensorsRecord
-from harness.identify.selection.ledger import declared_record
+from harness.identify.selection.ledger_record import declared_record
 from harness.recording import Sensors
 
 
@@ -26,8 +26,8 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         sensors=SensorsRecord.model_validate(sensors),
         declared=declared_record(problem),
         effects=found.hypothesis.names,
-        curve=None if shape is None else shape.record(),
-        numbers=tuple(found.numbers.tolist()),
+        spline_term=None if shape is None else shape.record(),
+        parameters=tuple(found.numbers.tolist()),
         phases=len(problem.records),
         covariance=tuple(map(tuple, found.covariance.tolist())),
         process_noise_m2_s3=found.density,
@@ -59,8 +59,8 @@ def read_model(kept: ModelRecord, record: Record, origin: str) -> tuple[Problem,
     try:
         declared = tuple(acting(one.name, one.values) for one in kept.declared)
         problem = Problem((record,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
-        hypothesis = Hypothesis(kept.effects, None if kept.curve is None else Shape.of(kept.curve))
-        numbers = np.array(kept.numbers, dtype=float)
+        hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else Shape.of(kept.spline_term))
+        numbers = np.array(kept.parameters, dtype=float)
         covariance = np.array(kept.covariance, dtype=float).reshape(len(numbers), len(numbers))
         found = Fit(
             hypothesis,

@@ -166,10 +166,23 @@ class BaselinesRecord(Part):
     better_by_m: dict[str, MarginRecord | None]
 
 
+class EvidenceRecord(Part):
+    """What a decision rests on beside its two fits (`harness.identify.selection.criterion.Evidence`), fits by name."""
+
+    winner: str | None = None
+    holder: str | None = None
+    without: tuple[str, ...] = ()
+    before: tuple[Number, ...] = ()
+    after: tuple[Number, ...] = ()
+    tests: int = 1
+    nested: bool = False
+
+
 class LedgerLine(Part):
-    """One attempt of the search; `fit` and `against` name the fits that were compared, `hash` covers the line."""
+    """One decision of the search; `fit` and `against` name the fits that were compared, `hash` covers the line."""
 
     effect: str
+    tried: tuple[str, ...]
     beside: tuple[str, ...]
     gain: Number
     kept: bool
@@ -177,10 +190,11 @@ class LedgerLine(Part):
     rule: str
     fit: str
     against: str
+    evidence: EvidenceRecord
     hash: str = ""
 
 
-class CurveRecord(Part):
+class SplineTermRecord(Part):
     """A spline term but for the values of its nodes."""
 
     depends: DependsName
@@ -198,15 +212,14 @@ class FittedEffect(Part):
 
 
 class FitRecord(Part):
-    """A fit of the ledger: hypothesis, numbers, and how well it predicts."""
+    """A fit of the ledger: hypothesis, scaled parameters, and how well it predicts."""
 
     effects: tuple[FittedEffect, ...]
-    curve: CurveRecord | None
-    numbers: tuple[Finite, ...]
+    spline_term: SplineTermRecord | None
+    parameters: tuple[Finite, ...]
     process_noise_m2_s3: Finite
     deviance: Number
-    score: Number
-    bic: Number
+    criterion: Number
 
 
 class SourcesRecord(Part):
@@ -254,7 +267,7 @@ class ActingRecord(Part):
 
 
 class ProblemRecord(Part):
-    """What determines every fit."""
+    """What determines every fit and decision."""
 
     inputs: SourcesRecord
     recordings: tuple[str, ...]
@@ -263,6 +276,7 @@ class ProblemRecord(Part):
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]
+    settings: dict[str, int | float]
     hash: str = ""
 
 
@@ -273,8 +287,8 @@ class ModelRecord(Part):
     sensors: SensorsRecord
     declared: tuple[ActingRecord, ...]
     effects: tuple[str, ...]
-    curve: CurveRecord | None
-    numbers: tuple[Finite, ...]
+    spline_term: SplineTermRecord | None
+    parameters: tuple[Finite, ...]
     phases: int = Field(ge=1)
     covariance: tuple[tuple[Number, ...], ...]
     process_noise_m2_s3: Finite
@@ -282,7 +296,7 @@ class ModelRecord(Part):
 
 
 class LedgerRecord(Part):
-    """The search as a record: every attempt, the fits that were compared, and the problem that they are fits to."""
+    """The search: every decision, the fits that were compared, and the problem that they are fits to."""
 
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]

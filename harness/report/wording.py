@@ -10,9 +10,9 @@ from analytic.rig import Rig
 from harness.formatting import measured, number
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.spline_term import Depends
-from harness.identify.selection.candidates import explained
-from harness.identify.validation.held_out import Comparison
-from harness.identify.verdict import Finding, Verdict
+from harness.identify.selection.criterion import Criterion
+from harness.identify.validation.held_out import BeforeAfter
+from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
 _LISTED = 5  # of many names, before the rest is counted
 
@@ -75,7 +75,7 @@ def sentence(diagnosis: Diagnosis) -> str:
                 "Nothing is missing beyond the noise: no effect of the catalogue predicts these recordings better"
                 f"{_stays(diagnosis.heldout)}."
             )
-        case Verdict.NOT_IDENTIFIABLE if not explained(diagnosis.problem, diagnosis.found):
+        case Verdict.NOT_IDENTIFIABLE if not _explained(diagnosis):
             left = diagnosis.found.root_density / diagnosis.problem.angle_floor
             return (
                 f"These recordings cannot tell: the ball is pushed {number(left, 2)} times as hard as the error of the "
@@ -87,18 +87,18 @@ def sentence(diagnosis: Diagnosis) -> str:
                 f"{_some(diagnosis.unseen)} would not have been seen either."
             )
         case Verdict.UNLISTED:
-            beside = f" beside {_found(diagnosis)}" if diagnosis.findings else ""
+            beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""
             what = f"{_curve(diagnosis)}{beside}{_fall(diagnosis)}"
             return f"Something is missing that the catalogue does not list, {what}."
         case Verdict.EFFECT:
-            verb = "was" if len(diagnosis.findings) == 1 else "were"
+            verb = "was" if len(diagnosis.effects) == 1 else "were"
             text = f"{_found(diagnosis)} {verb} missing{_fall(diagnosis)}."
             return text[0].upper() + text[1:]
 
 
-def phrase(finding: Finding, rig: Rig) -> str:
+def phrase(finding: IdentifiedEffect, rig: Rig) -> str:
     """An effect with its values: `a rolling resistance of 0.0041 ± 0.0002`."""
-    said = {key: _value(finding.name, key, *each) for key, each in finding.values.items()}
+    said = {key: _value(finding.name, key, each) for key, each in finding.parameters.items()}
     known = _PHRASES.get(finding.name)
     if known is not None:
         return known.format(**said, declared=f"{number(1e3 * rig.rolling_radius, 4)} mm")
@@ -106,17 +106,21 @@ def phrase(finding: Finding, rig: Rig) -> str:
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name} ({', '.join(f'{words(k)} {v}' for k, v in said.items())})"
 
 
-def _value(effect: str, key: str, value: float, low: float, high: float, unit: str) -> str:
-    unit, factor = _SPOKEN.get((effect, key), ("" if unit == "1" else unit, 1.0))
-    text = measured(factor * value, 0.5 * factor * (high - low))
+def _value(effect: str, key: str, one: Estimate) -> str:
+    unit, factor = _SPOKEN.get((effect, key), ("" if one.unit == "1" else one.unit, 1.0))
+    text = measured(factor * one.value, 0.5 * factor * (one.high - one.low))
     return text + (unit if unit == "°" else f" {unit}" if unit else "")
 
 
+def _explained(diagnosis: Diagnosis) -> bool:
+    return Criterion(diagnosis.problem.settings).explained(diagnosis.problem, diagnosis.found)
+
+
 def _found(diagnosis: Diagnosis) -> str:
-    return _and([phrase(one, diagnosis.problem.rig) + _or(one) for one in diagnosis.findings])
+    return _and([phrase(one, diagnosis.problem.rig) + _or(one) for one in diagnosis.effects])
 
 
-def _or(finding: Finding) -> str:
+def _or(finding: IdentifiedEffect) -> str:
     rivals = [words(name) for name in finding.indistinguishable_from]
     return f" (or {' or '.join(rivals)}, which these recordings do not tell from it)" if rivals else ""
 
@@ -141,7 +145,7 @@ def _curve(diagnosis: Diagnosis) -> str:
     return f"a force that depends on {depends} (up to {number(1e3 * diagnosis.problem.rig.mass * most, 2)} mN)"
 
 
-def _ends(heldout: Comparison) -> tuple[str, float, float] | None:
+def _ends(heldout: BeforeAfter) -> tuple[str, float, float] | None:
     """Over what the held-out error is told, before and after [m]: the rest of a recording, else the longest windows."""
     both = [name for name in heldout.before.rms if name in heldout.after.rms]
     if not both:
@@ -159,7 +163,7 @@ def _fall(diagnosis: Diagnosis) -> str:
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"
 
 
-def _stays(heldout: Comparison) -> str:
+def _stays(heldout: BeforeAfter) -> str:
     ends = _ends(heldout)
     return "" if ends is None else f"; the held-out error{ends[0]} is {error_size(ends[1])}"
 

@@ -26,9 +26,8 @@ class Outcome:
 
     @property
     def errors(self) -> list[str]:
-        """Messages on stderr: lines that are no progress and no greeting of an engine."""
-        lines = self.err.splitlines()
-        return [line for line in lines if line and not line.startswith(("[", "pybullet build time"))]
+        """Messages on stderr: lines that are no progress."""
+        return [line for line in self.err.splitlines() if line and not line.startswith("[")]
 
 
 Harness = Callable[..., Outcome]

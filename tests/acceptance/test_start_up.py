@@ -14,8 +14,8 @@ from tests.acceptance.short import write_short_case
 
 ENGINES_AND_PICTURES = {"mujoco", "pybullet", "dartpy", "matplotlib"}
 NOT_FOR_READING = {"numba", "pandas", "scipy"}
-# Modules in memory when the first line is written, of which an idle machine takes 0.4 s to import some 600; that time is
-# held to ten times as much, for one on which other tests run.
+# Modules in memory when the first line is written; an idle machine imports as many in half a second, and is given eight
+# times that, for other tests may run on it.
 MOST_MODULES = 700
 MOST_SECONDS = 4.0
 SCRIPT = """

@@ -16,7 +16,8 @@ from harness.identify.record import (
     InputsRecord,
     SourcesRecord,
 )
-from harness.identify.selection.ledger import ledger_record
+from harness.identify.selection.ledger_record import ledger_record
+from harness.identify.selection.search import Selection
 from harness.recording import load_case
 
 NO_ERRORS = ErrorsRecord(rms_m={}, innovation_correlation=None, innovation_over_noise=None, innovation_on_beam={})
@@ -28,7 +29,7 @@ def nothing_missing(folder: Path) -> DiagnosisRecord:
     case = load_case(folder)
     problem, _ = problem_of(case)
     base = fit(problem, Hypothesis(()))
-    ledger = ledger_record(problem, base, (), SourcesRecord(hashes={}, versions={}))
+    ledger = ledger_record(problem, Selection(base, base, ()), SourcesRecord(hashes={}, versions={}))
     return DiagnosisRecord(
         verdict="none",
         sentence="Nothing is missing.",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from harness.comparison import Choices, Setting, prepare
@@ -11,7 +9,6 @@ from harness.recording import load_case
 from harness.recording.case import BUNDLED
 from harness.simulator import Plant
 from tests.comparison.made import COARSE, FINE, Made, sensors, steps, swing, write_case
-from tests.shared_data import SHARED
 
 SEEDS = range(5)
 
@@ -34,11 +31,3 @@ def perfect(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     folder = tmp_path_factory.mktemp("perfect")
     cases = [write_case(folder / str(seed), [make(seed, Plant(), used)], used) for seed in SEEDS]
     return [(made, made.prepare()) for made in cases]
-
-
-@pytest.fixture(scope="session")
-def shared() -> Path:
-    """The folder with cases and recordings that are handed out beside the repository."""
-    if not SHARED.is_dir():
-        pytest.skip("the folder ../shared is absent")
-    return SHARED

@@ -7,15 +7,16 @@ from pathlib import Path
 import pytest
 
 from analytic.rig import Rig
-from harness.identify.estimate.fit import INFLATION, Fit, fit
+from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import candidates, explained, found_in, hidden_by
-from harness.identify.verdict import Verdict, search
+from harness.identify.selection.candidates import candidates, found_in, hidden_by
+from harness.identify.selection.criterion import Criterion
+from harness.identify.verdict import Verdict, identify
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
-from tests.identify.conftest import DECLARED, Effects
+from tests.posed import DECLARED, Effects
 
 LEVEL_KNOWN = "level_angle_rad = 0.0\n"
 
@@ -48,9 +49,9 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
     assert open_problem.unknown == ("angle_gain",)
     ratio = open_problem.rig.rolling_ratio
     gain = base.values()["angle_gain", "gain"]
-    reach = 1.96 * INFLATION * base.deviations()["angle_gain", "gain"]
+    reach = 1.96 * open_problem.settings.inflation * base.deviations()["angle_gain", "gain"]
     assert abs(gain * ratio - Rig().rolling_ratio) < reach * ratio
-    assert explained(open_problem, base)
+    assert Criterion().explained(open_problem, base)
     # Another completion, whose K is 1 % more, is made up for.
     other = Problem(
         open_problem.records,
@@ -81,8 +82,8 @@ def test_what_stands_for_the_unknown_is_no_finding(open_problem: Problem, base: 
 @pytest.mark.parametrize("hidden", [{}, {"rolling_resistance": {"coefficient": 0.004}}], ids=["none", "rolling"])
 def test_an_unknown_ratio_does_not_hide_what_acts(tmp_path: Path, hidden: Effects) -> None:
     """Name what acts, and only that, on a rig whose K nobody knows."""
-    said = search(without_groove(tmp_path / "case", hidden))
+    said = identify(without_groove(tmp_path / "case", hidden))
     assert said.verdict is (Verdict.EFFECT if hidden else Verdict.NONE)
-    assert {one.name for one in said.findings} == set(hidden)
+    assert {one.name for one in said.effects} == set(hidden)
     assert said.found.hypothesis.names[0] == "angle_gain"
-    assert all(entry.effect != "angle_gain" for entry in said.ledger)
+    assert all("angle_gain" not in entry.effects for entry in said.ledger)

@@ -13,23 +13,23 @@ from harness.identify.diagnosis import Diagnosis
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis, Values
 from harness.identify.problem.spline_term import Depends, Shape
-from harness.identify.validation.held_out import Comparison, Errors
-from harness.identify.verdict import Finding, Verdict
+from harness.identify.validation.held_out import BeforeAfter, Errors
+from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.report.wording import DEPENDENCES, error_size, phrase, sentence
-from tests.identify.conftest import Posed
+from tests.posed import Posed
 
-ROLLING = Finding("rolling_resistance", {"coefficient": (0.0041, 0.0037, 0.0045, "1")}, ())
-LEVEL = Finding("level_error", {"angle": (-0.0025, -0.00251, -0.00249, "rad")}, ())
+ROLLING = IdentifiedEffect("rolling_resistance", {"coefficient": Estimate(0.0041, 0.0037, 0.0045, "1")}, ())
+LEVEL = IdentifiedEffect("level_error", {"angle": Estimate(-0.0025, -0.00251, -0.00249, "rad")}, ())
 
 
-def said(posed: Posed, verdict: Verdict, findings: tuple[Finding, ...] = (), **changes: Any) -> str:
+def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] = (), **changes: Any) -> str:
     """The sentence of a diagnosis with these findings, whose held-out error falls from 174 mm to 0.3 mm."""
     names = tuple(one.name for one in findings)
     at = Values(records=(), effects=(), phases=np.zeros(2), shape=changes.get("shape"))
     density = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
     found = Fit(Hypothesis(names, at.shape), np.zeros(0), at, density, 0.0, np.zeros((0, 0)), posed.problem.readings)
     rms = changes.get("rms", ({"1 s": 0.02, "whole": 0.174}, {"1 s": 0.0003, "whole": 0.0003}))
-    heldout = Comparison(*(Errors(one, 0.0, 1.0) for one in rms))
+    heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
     unseen = changes.get("unseen", ())
     return sentence(
         Diagnosis(
@@ -47,7 +47,7 @@ def test_one_effect(plain: Posed) -> None:
 
 def test_two_effects_and_a_rival(plain: Posed) -> None:
     """Say both, angles in degrees, and what one of them cannot be told from."""
-    level = Finding("level_error", LEVEL.values, ("track_curvature",))
+    level = IdentifiedEffect("level_error", LEVEL.parameters, ("track_curvature",))
     assert said(plain, Verdict.EFFECT, (ROLLING, level)) == (
         "A rolling resistance of 0.0041 ± 0.0004 and a level error of −0.1432 ± 0.0006° (or track curvature, which "
         "these recordings do not tell from it) were missing; the held-out error falls from 174 mm to 0.30 mm."
@@ -103,9 +103,10 @@ def test_short_recordings_tell_what_they_can(plain: Posed) -> None:
 def test_every_effect_has_words(name: str) -> None:
     """Say every effect with each of its values once, its interval, and no underscore."""
     values = {
-        one.name: (one.typical, one.typical * 0.9, one.typical * 1.1, one.unit) for one in CATALOGUE[name].parameters
+        one.name: Estimate(one.typical, one.typical * 0.9, one.typical * 1.1, one.unit)
+        for one in CATALOGUE[name].parameters
     }
-    text = phrase(Finding(name, values, ()), Rig())
+    text = phrase(IdentifiedEffect(name, values, ()), Rig())
     assert text.count("±") == len(values)
     assert "_" not in text
     assert "{" not in text
@@ -113,7 +114,7 @@ def test_every_effect_has_words(name: str) -> None:
 
 def test_an_effect_of_ones_own_has_words_too() -> None:
     """Say an effect that nobody wrote a phrase for by its name and parameters."""
-    own = Finding("air_cushion", {"lift_force": (0.01, 0.009, 0.011, "N")}, ())
+    own = IdentifiedEffect("air_cushion", {"lift_force": Estimate(0.01, 0.009, 0.011, "N")}, ())
     assert phrase(own, Rig()) == "an air cushion (lift force 0.0100 ± 0.0010 N)"
 
 

@@ -19,10 +19,12 @@ from harness.identify.design.closed_loop import Rehearsed, rehearse, with_others
 from harness.identify.design.discrimination import Noises, drift, mean_innovations, regained
 from harness.identify.design.excitation import LIBRARY, Profile, Room, room_of
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
-from harness.identify.estimate.fit import INFLATION, Fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Values
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import THRESHOLD, Entry, side_by_side
+from harness.identify.selection.candidates import in_threads
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.ledger import Line
 
 _ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps of rivals, and on how many of the best moves; on the others one step
 _WORTH = 0.5  # σ, as far as expected and reached separations differ: a smaller gain is none
@@ -55,17 +57,17 @@ def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: flo
 
     def apart(made: Rehearsed, rounds: int) -> list[float]:
         new = [regained(problem, made, pair.fit, noises, rounds=rounds) for pair in pairs]
-        return [_sigma(old + more) for old, more in zip(at_hand, new, strict=True)]
+        return [_sigma(problem, old + more) for old, more in zip(at_hand, new, strict=True)]
 
-    rehearsed = [one for one in side_by_side(attempt, LIBRARY) if one is not None]
+    rehearsed = [one for one in in_threads(attempt, LIBRARY) if one is not None]
     if not rehearsed:
         return None
-    looked = dict(zip(rehearsed, side_by_side(partial(apart, rounds=1), rehearsed), strict=True))
+    looked = dict(zip(rehearsed, in_threads(partial(apart, rounds=1), rehearsed), strict=True))
     best = sorted(rehearsed, key=lambda one: -min(looked[one]))[:_REFINED]
-    looked |= dict(zip(best, side_by_side(partial(apart, rounds=_ROUNDS), best), strict=True))
+    looked |= dict(zip(best, in_threads(partial(apart, rounds=_ROUNDS), best), strict=True))
     chosen = max(best, key=lambda one: min(looked[one]))
     separations = tuple(
-        Separation(pair.found, pair.rival, _sigma(old), sigma, pair.needed)
+        Separation(pair.found, pair.rival, _sigma(problem, old), sigma, pair.needed)
         for pair, old, sigma in zip(pairs, at_hand, looked[chosen], strict=True)
     )
     if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
@@ -88,21 +90,21 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
     room = room_of(problem, length)
     noises = Noises.of(room.interval, problem.noise, found.density)
     typical = [_typical(found, name, room) for name in unseen]
-    price = math.log(len(room.time))
-    needed = [math.sqrt(THRESHOLD + price * len(CATALOGUE[name].parameters)) for name in unseen]
+    criterion = Criterion(problem.settings)
+    needed = [criterion.detection_limit(len(room.time), len(CATALOGUE[name].parameters)) for name in unseen]
 
     def attempt(profile: Profile) -> tuple[Rehearsed, list[float]] | None:
         made = rehearse(problem, found.best, found.density, profile, room)
         if made is None:
             return None
         others = (with_others(problem, one, found.density, profile, room, made) for one in typical)
-        return made, [_sigma(noises.deviance(mean_innovations(problem, one, found.best))) for one in others]
+        return made, [_sigma(problem, noises.deviance(mean_innovations(problem, one, found.best))) for one in others]
 
     def worth(sigmas: Sequence[float]) -> tuple[int, float]:
         shares = [one / enough for one, enough in zip(sigmas, needed, strict=True)]
         return sum(share >= 1.0 for share in shares), sum(min(share, 1.0) for share in shares)
 
-    tried = [one for one in side_by_side(attempt, LIBRARY) if one is not None]
+    tried = [one for one in in_threads(attempt, LIBRARY) if one is not None]
     if not tried:
         return None
     chosen, sigmas = max(tried, key=lambda one: worth(one[1]))
@@ -116,30 +118,29 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
 
 
 def pairs_of(
-    found: Fit, ledger: Sequence[Entry], indistinguishable: Mapping[str, Sequence[str]], strong: float
+    found: Fit, ledger: Sequence[Line], indistinguishable: Mapping[str, Sequence[str]], criterion: Criterion
 ) -> list[Pair]:
     """What `found` is to be told from: the rivals of each effect that are not told apart, or else the nearest one.
 
     Args:
         indistinguishable: effects that were found, each with its rivals.
-        strong: difference of scores from which on two explanations are told apart.
+        criterion: by which two explanations are told apart.
     """
 
     def pair(name: str, rival: str, fits: Sequence[Fit]) -> Pair:
-        nearest = min(fits, key=lambda one: one.score)
-        price = math.log(found.readings) * (len(nearest.numbers) - len(found.numbers))
-        return Pair(name, rival, nearest, math.sqrt(max(strong - price, 0.0)))
+        nearest = min(fits, key=criterion.value)
+        return Pair(name, rival, nearest, criterion.rival_separation(nearest, found))
 
     pairs = []
     for name, rivals in indistinguishable.items():
         rest = set(found.hypothesis.names) - {name}
         for rival in rivals:
-            fits = [one.fit for one in ledger if rival in one.effect.split(" + ") and set(one.beside) == rest]
+            fits = [one.fit for one in ledger if rival in one.effects and set(one.beside) == rest]
             if fits:  # what a split replaced was never tried beside what came of it
                 pairs.append(pair(name, rival, fits))
     others = [one.fit for one in ledger if _own(one.fit, found) and _own(found, one.fit) and not _holds(one.fit, found)]
     if not pairs and others:
-        nearest = min(others, key=lambda one: one.score)
+        nearest = min(others, key=criterion.value)
         pairs.append(pair(" + ".join(_own(found, nearest)), " + ".join(_own(nearest, found)), [nearest]))
     return pairs
 
@@ -158,8 +159,9 @@ def _own(one: Fit, other: Fit) -> list[str]:
     return mine
 
 
-def _sigma(deviance: float) -> float:
-    return math.sqrt(max(deviance, 0.0)) / INFLATION
+def _sigma(problem: Problem, deviance: float) -> float:
+    """Standard deviations that a difference of deviances stands for."""
+    return math.sqrt(max(deviance, 0.0) / problem.settings.overdispersion)
 
 
 def _typical(found: Fit, name: str, room: Room) -> Values:

@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
 from harness.identify.design.closed_loop import Rehearsed, repeated
-from harness.identify.estimate.fit import INFLATION, Fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
 from harness.identify.problem.hypothesis import Values
 from harness.identify.problem.problem import Problem
@@ -170,4 +170,4 @@ def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
         out = problem.filtered(made.record, at.effects, 0.0, found.density, at.shape)
         square += float(out.recorded[-1] - made.reading[-1]) ** 2
     noise = found.density * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
-    return math.sqrt(INFLATION**2 * square + noise)
+    return math.sqrt(problem.settings.overdispersion * square + noise)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import INFLATION, TWO_SIDED, Fit
+from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.problem.problem import Filtered, Problem, Record
 
@@ -55,7 +55,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     count = len(found.numbers)
     if count:
         scale = found.hypothesis.scale(problem)
-        root = INFLATION * _root(found.covariance / np.outer(scale, scale))
+        root = problem.settings.inflation * _root(found.covariance / np.outer(scale, scale))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(record.time))

@@ -15,6 +15,7 @@ from analytic.models import CAM, ORIGIN, Model
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 from harness.identify.filter.ekf import innovations, penalty
+from harness.identify.problem.settings import DEFAULT, Settings
 from harness.identify.problem.spline_term import Shape
 from harness.signals.drive import Drive
 from harness.signals.prescribed import nodes
@@ -131,6 +132,7 @@ class Problem:
         noise: variance of a position reading, rounding included [m²].
         model: the baseline to which effects are added.
         unknown: effects that stand for what nobody knows of the rig; every hypothesis has them, and none is a finding.
+        settings: by which everything is decided.
     """
 
     records: tuple[Record, ...]
@@ -139,6 +141,7 @@ class Problem:
     noise: float
     model: Model = CAM
     unknown: tuple[str, ...] = ()
+    settings: Settings = DEFAULT
 
     @property
     def readings(self) -> int:

@@ -26,12 +26,12 @@ from analytic.law import (
 )
 from analytic.models import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP, SLOTS
 from analytic.motion import FloatArray
-from harness.identify.record import CurveRecord
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.record import SplineTermRecord
 
 if TYPE_CHECKING:
     from harness.identify.problem.problem import Problem
 
-NODES = 12  # of a curve at first
 _OPEN = 1e-3  # process noise with which a filter follows the readings whatever the model lacks [m²/s³]
 
 
@@ -88,7 +88,7 @@ class Shape:
     @property
     def name(self) -> str:
         """As in the ledger."""
-        return f"curve of {self.depends}{' in friction' if self.friction else ''}"
+        return f"spline of {self.depends}{' in friction' if self.friction else ''}"
 
     @property
     def unit(self) -> str:
@@ -133,14 +133,14 @@ class Shape:
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
 
-    def record(self) -> CurveRecord:
+    def record(self) -> SplineTermRecord:
         """What it is but for the values of its nodes."""
-        return CurveRecord(
+        return SplineTermRecord(
             depends=self.depends.value, friction=self.friction, low=self.low, step=self.step, nodes=len(self.nodes)
         )
 
     @classmethod
-    def of(cls, record: CurveRecord) -> Self:
+    def of(cls, record: SplineTermRecord) -> Self:
         """The curve of a `record`, nothing yet.
 
         Raises:
@@ -151,10 +151,10 @@ class Shape:
         return cls(Depends(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
 
 
-def blank(depends: Depends, friction: bool, low: float, high: float) -> Shape:
+def blank(depends: Depends, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> Shape:
     """A curve that is nothing yet, over what is visited from `low` to `high`."""
-    steps = NODES if depends is Depends.ROLL_ANGLE else NODES - 1
-    return Shape(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(NODES))
+    steps = count if depends is Depends.ROLL_ANGLE else count - 1
+    return Shape(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))
 
 
 def visited(problem: Problem, depends: Depends) -> tuple[float, float]:

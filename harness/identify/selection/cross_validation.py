@@ -1,108 +1,87 @@
-"""Second thoughts where much is left unexplained: what predicts windows of recordings that it was not fitted to?
+"""Selection by cross-validation, where effects and spline terms leave much unexplained.
 
-The likelihood judges the next reading. Where neither the catalogue nor a curve brings the process noise near what the
-angle's error gives, the next reading is ruled by what nobody has modelled, and the likelihood may keep a law or a curve
-that misleads over seconds, or see nothing of one that helps. There the verdict is left to the windows of the contest
-(`harness.identify.validation.baseline_comparison`): 2 s known, 3 s predicted, by fits to the other recordings.
+The likelihood judges the next reading. Where the process noise stays far above the input-noise floor, the next reading
+is ruled by what nobody has modelled, and the likelihood may keep a term that misleads over seconds, or see nothing of
+one that helps. There the decision is left to held-out windows: 2 s known, 3 s predicted, by fits to the other
+recordings.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 
-from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Entry, beside, candidates, explained, found_in
-from harness.identify.validation.baseline_comparison import for_horizon, margin, missed
-from harness.identify.validation.baselines import windows_of
-from harness.identify.validation.held_out import parts
-from harness.identify.verdict import Search, judged
-
-_LEAST = 12  # windows, below which their scatter decides
-_TRIED = 3  # candidates that are fitted without each recording, the best on all of them first
-_MOST = 2  # effects that are found so
-_ROUNDS = 2  # of a fit without one recording, which begins where the fit to all ended
-_CHANCE = 0.05  # two-sided share beyond which a gain is no chance, shared by all candidates
-
-Progress = Callable[[str], None]
+from harness.identify.problem.windows import folds, windows_of
+from harness.identify.selection.candidates import Progress, candidates, fit_candidates, found_in
+from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.ledger import Ledger
 
 
-def reconsider(said: Search, progress: Progress = lambda _: None) -> Search:
-    """What was found, or what predicts better than that; unchanged where the angle's error explains what is left."""
-    problem = said.problem
-    if explained(problem, said.found) or len(windows_of(problem.records)) < _LEAST:
-        return said
-    found, ledger = said.found, list(said.ledger)
+def cross_validate(problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """What was found, or what predicts held-out windows better; unchanged where nothing is left to explain.
+
+    Args:
+        base: the fit without any effect.
+    """
+    settings = problem.settings
+    if ledger.criterion.explained(problem, found) or len(windows_of(problem.records)) < settings.min_windows:
+        return found
     if found.hypothesis.shape is not None:
-        plain = next(one.against for one in ledger if one.kept and one.fit.hypothesis.shape is not None)
-        found = _unless_worse(problem, found, plain, found.hypothesis.shape.name, ledger, progress)
+        plain = next(one.against for one in ledger.lines if one.kept and one.rule is Rule.SPLINE)
+        found = _validated(problem, found, plain, (), ledger, progress)
     if found.hypothesis.shape is None and found_in(problem, found):
-        found = _unless_worse(problem, found, said.base, " + ".join(found_in(problem, found)), ledger, progress)
-    while len(found_in(problem, found)) < _MOST and found.hypothesis.shape is None:
-        better = _better(problem, found, ledger, progress)
+        found = _validated(problem, found, base, found_in(problem, found), ledger, progress)
+    while len(found_in(problem, found)) < settings.validated_effects and found.hypothesis.shape is None:
+        better = _extended(problem, found, ledger, progress)
         if better is None:
             break
         found = better
-    return said if found is said.found else judged(problem, said.base, found, ledger)
+    return found
 
 
-def _unless_worse(problem: Problem, found: Fit, plain: Fit, name: str, ledger: list[Entry], progress: Progress) -> Fit:
-    """`found`, or `plain`, which is it without what is named, where that predicts better."""
-    progress(f"{name} on windows that it has not seen")
-    before, after = (held_out_misses(problem, one) for one in (plain, found))
-    if np.mean(after**2) < np.mean(before**2):
-        return found
-    because = f"predicts held-out windows worse, by {_rms(after):.3g} m against {_rms(before):.3g} m RMS"
-    ledger.append(_entry(name, plain, found, kept=False, because=because))
-    return plain
+def held_out_errors(problem: Problem, one: Fit) -> tuple[float, ...]:
+    """RMS error of every window [m], by fits that have not seen its recording."""
+    errors: list[float] = []
+    for fold in folds(problem):
+        again = fit(
+            fold.problem, one.refined, density=one.density, known=one.values(), rounds=problem.settings.validated_rounds
+        )
+        tuned = tuned_to_windows(fold.problem, again, windows_of(fold.problem.records))
+        errors += window_errors(fold.problem, tuned, windows_of(fold.left))
+    return tuple(errors)
 
 
-def _better(problem: Problem, base: Fit, ledger: list[Entry], progress: Progress) -> Fit | None:
+def _validated(
+    problem: Problem, found: Fit, plain: Fit, effects: tuple[str, ...], ledger: Ledger, progress: Progress
+) -> Fit:
+    """`found`, or `plain`, which is it without `effects` or without its spline term, where that predicts better."""
+    progress(f"{' + '.join(effects) or 'the spline term'} on held-out windows")
+    evidence = Evidence(before=held_out_errors(problem, plain), after=held_out_errors(problem, found))
+    return found if ledger.decide(Rule.VALIDATE, found, plain, effects, evidence) else plain
+
+
+def _extended(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit | None:
     """The candidate beside `base` that predicts held-out windows best, if that is more than chance."""
     seen = windows_of(problem.records)
 
-    def on_all(one: Fit) -> float:
+    def in_sample(one: Fit) -> float:
         progress(f"{one.hypothesis.names[-1]} on windows")
-        return float(np.mean(np.square(missed(problem, for_horizon(problem, one, seen), seen))))
+        return float(np.mean(np.square(window_errors(problem, tuned_to_windows(problem, one, seen), seen))))
 
-    tried = sorted(beside(problem, base, progress), key=on_all)[:_TRIED]
-    before = held_out_misses(problem, base)
-    best: tuple[float, Fit] | None = None
+    tried = sorted(fit_candidates(problem, base, progress), key=in_sample)[: problem.settings.validated_candidates]
+    before, tests = held_out_errors(problem, base), len(candidates(problem))
+    rounds = []
     for one in tried:
-        name = one.hypothesis.names[-1]
-        progress(f"{name} on windows that it has not seen")
-        after = held_out_misses(problem, one)
-        gain = margin(before, after, _CHANCE / len(candidates(problem)))
-        because = f"predicts held-out windows by {_rms(after):.3g} m RMS instead of {_rms(before):.3g} m"
-        ledger.append(
-            _entry(name, base, one, kept=False, because=because + ("" if gain.sure else ", which may be chance"))
-        )
-        if gain.sure and (best is None or gain.value > best[0]):
-            best = gain.value, one
-    if best is None:
-        return None
-    at = next(n for n, entry in enumerate(ledger) if entry.rule == "prediction" and entry.fit is best[1])
-    ledger[at] = replace(ledger[at], kept=True)
-    return fit(problem, best[1].hypothesis, density=best[1].density, starts=[best[1].numbers])
-
-
-def held_out_misses(problem: Problem, one: Fit) -> FloatArray:
-    """RMS error of every window, shape (windows,) [m], by fits that have not seen its recording."""
-    misses: list[float] = []
-    for rest, left in parts(problem):
-        sub = replace(problem, records=rest)
-        again = fit(sub, one.refined, density=one.density, known=one.values(), rounds=_ROUNDS)
-        misses += missed(sub, for_horizon(sub, again, windows_of(rest)), windows_of(left))
-    return np.array(misses)
-
-
-def _entry(name: str, base: Fit, one: Fit, *, kept: bool, because: str) -> Entry:
-    return Entry(name, base.hypothesis.names, base.score - one.score, kept, because, one, base, rule="prediction")
-
-
-def _rms(misses: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.square(misses))))
+        progress(f"{one.hypothesis.names[-1]} on held-out windows")
+        rounds.append((one, Evidence(before=before, after=held_out_errors(problem, one), tests=tests)))
+    margins = [(ledger.criterion.reduction(evidence), one) for one, evidence in rounds]
+    sure = [(margin.value, one) for margin, one in margins if margin.sure]
+    winner = max(sure, key=lambda each: each[0])[1] if sure else None
+    kept = None
+    for one, evidence in rounds:
+        full = Evidence(winner=winner, before=evidence.before, after=evidence.after, tests=tests)
+        if ledger.decide(Rule.EXTEND, one, base, one.hypothesis.names[-1:], full):
+            kept = fit(problem, one.hypothesis, density=one.density, starts=[one.numbers])
+    return kept

@@ -1,106 +1,87 @@
-"""The ledger as a record: every attempt with what determines it, what came out, and a hash of both.
-
-An attempt is held against another fit, the one without what is tried. Both stand among the record's `fits` under
-hashes of their content, and the hash of the problem (recordings, rig, declared effects, noise, baseline, versions) is
-part of each: whoever changes a number, an input or a decision changes a hash.
-"""
+"""The ledger: every decision of the search in its order, with what it rested on."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
 
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.problem import Problem
-from harness.identify.record import (
-    ActingRecord,
-    FitRecord,
-    FittedEffect,
-    LedgerLine,
-    LedgerRecord,
-    ProblemRecord,
-    RigRecord,
-    SourcesRecord,
-)
-from harness.identify.selection.candidates import Entry
-
-_DIGITS = 16  # of a hash: 64 bits tell some thousand attempts apart
+from harness.identify.selection.criterion import NONE, Criterion, Decision, Evidence, Rule
 
 
-def digest(value: Any) -> str:
-    """A short SHA-256 of JSON content; numbers count with all their digits."""
-    text = json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One decision.
 
+    Attributes:
+        rule: what it was about.
+        effects: what was tried, by name; empty for a spline term.
+        fit, against: with it and without, or with what it was held against.
+        evidence: what else it rested on.
+        decision: what was decided.
+    """
 
-def hashed(part: ProblemRecord | LedgerLine) -> str:
-    """The hash of a part of the record, over all of it but the hash itself."""
-    return digest(part.model_dump(mode="json", exclude={"hash"}))
+    rule: Rule
+    effects: tuple[str, ...]
+    fit: Fit
+    against: Fit
+    evidence: Evidence
+    decision: Decision
 
+    @property
+    def title(self) -> str:
+        """What was tried, in words."""
+        if self.effects:
+            return " + ".join(self.effects)
+        shape = self.fit.hypothesis.shape
+        return "nothing" if shape is None else shape.name
 
-def declared_record(problem: Problem) -> tuple[ActingRecord, ...]:
-    """The declared effects."""
-    return tuple(ActingRecord(name=one.effect.name, values=dict(one.values)) for one in problem.declared)
-
-
-def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
-    """What determines every fit; `inputs` are hashes of files and versions of software."""
-    record = ProblemRecord(
-        inputs=inputs,
-        recordings=tuple(one.name for one in problem.records),
-        readings=problem.readings,
-        reading_variance_m2=problem.noise,
-        baseline=problem.model.name,
-        rig=RigRecord.model_validate(problem.rig),
-        declared=declared_record(problem),
-    )
-    return record.model_copy(update={"hash": hashed(record)})
-
-
-def fit_record(one: Fit) -> FitRecord:
-    """A fit: its hypothesis with the law of each effect, its numbers, and how well it predicts."""
-    shape = one.hypothesis.shape
-    return FitRecord(
-        effects=tuple(FittedEffect.model_validate(effect) for effect in one.hypothesis.effects),
-        curve=None if shape is None else shape.record(),
-        numbers=tuple(one.numbers.tolist()),
-        process_noise_m2_s3=one.density,
-        deviance=one.deviance,
-        score=one.score,
-        bic=one.bic,
-    )
-
-
-def ledger_record(problem: Problem, base: Fit, ledger: Sequence[Entry], inputs: SourcesRecord) -> LedgerRecord:
-    """`ledger`, `fits` and `problem` of diagnosis.json; the first of the fits is the one without any effect."""
-    posed = problem_record(problem, inputs)
-    fits: dict[str, FitRecord] = {}
-
-    def kept(one: Fit) -> str:
-        record = fit_record(one)
-        name = fit_hash(posed, record)
-        fits[name] = record
-        return name
-
-    kept(base)
-    lines = []
-    for entry in ledger:
-        line = LedgerLine(
-            effect=entry.effect,
-            beside=entry.beside,
-            gain=entry.gain,
-            kept=entry.kept,
-            because=entry.because,
-            rule=entry.rule,
-            fit=kept(entry.fit),
-            against=kept(entry.against),
+    @property
+    def beside(self) -> tuple[str, ...]:
+        """The effects that both fits have, but for what was tried."""
+        return tuple(
+            name
+            for name in self.fit.hypothesis.names
+            if name in self.against.hypothesis.names and name not in self.effects
         )
-        lines.append(line.model_copy(update={"hash": hashed(line)}))
-    return LedgerRecord(ledger=tuple(lines), fits=fits, problem=posed)
+
+    @property
+    def kept(self) -> bool:
+        """Whether it was kept then."""
+        return self.decision.kept
+
+    @property
+    def gain(self) -> float:
+        """By how much it lowers the criterion."""
+        return self.decision.gain
+
+    @property
+    def because(self) -> str:
+        """Why it was kept or not."""
+        return self.decision.because
 
 
-def fit_hash(posed: ProblemRecord, record: FitRecord) -> str:
-    """Name of a fit among the `fits`."""
-    return digest([posed.hash, record.model_dump(mode="json")])
+class Ledger:
+    """Decides by the criterion, and keeps every decision."""
+
+    def __init__(self, criterion: Criterion) -> None:
+        self.criterion = criterion
+        self.lines: list[Line] = []
+
+    def decide(
+        self, rule: Rule, fit: Fit, against: Fit, effects: Sequence[str] = (), evidence: Evidence = NONE
+    ) -> bool:
+        """Whether `fit` is kept over `against`.
+
+        Args:
+            effects: what is tried, by name; nothing for a spline term.
+        """
+        decision = self.criterion.decide(rule, fit, against, evidence)
+        self.lines.append(Line(rule, tuple(effects), fit, against, evidence, decision))
+        return decision.kept
+
+    def decide_round(self, rule: Rule, tried: Sequence[Fit], against: Fit, *, holder: Fit | None = None) -> Fit | None:
+        """Decide on candidates, best first, each of which adds its last effect to `against`; the one kept, if any."""
+        evidence = Evidence(winner=tried[0] if tried else None, holder=holder)
+        kept = [one for one in tried if self.decide(rule, one, against, one.hypothesis.names[-1:], evidence)]
+        return kept[0] if kept else None

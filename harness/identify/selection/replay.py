@@ -1,10 +1,11 @@
-"""Replay of a kept ledger: do its hashes, its deviances and its decisions come out again from the same inputs?"""
+"""Replay of a recorded ledger: do its hashes, deviances and decisions come out again from the same inputs?"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,16 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Shape
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
-from harness.identify.selection.candidates import THRESHOLD
-from harness.identify.selection.ledger import fit_hash, hashed, problem_record
-from harness.identify.selection.spline_terms import CURVE_THRESHOLD
-from harness.identify.selection.swaps import RARER
+from harness.identify.selection.candidates import Progress
+from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.cross_validation import held_out_errors
+from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
+from harness.identify.selection.spline_terms import held_out_deviances
 
-# Of a deviance, evaluated at the same numbers: another processor may round some thousand terms differently, by 1e-9 at
-# most; what decides is 6000 times as large.
+# Of a deviance, evaluated at the same parameters: another processor may round some thousand terms differently, by 1e-9
+# at most; what decides is 6000 times as large.
 _TOLERANCE = 1e-3
 _RELATIVE = 1e-9  # of the problem's numbers, some of which are estimated
-
-_RULES = ("score", "split", "again", "either")
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,20 @@ def replay(
 
     Args:
         problem: posed anew from the same files.
-        refit: fit every hypothesis on from its recorded numbers, and decide by what comes out, instead of evaluating
-            them where they are.
+        refit: re-optimise every fit from its recorded parameters, compute what was held out anew, and decide by what
+            comes out, instead of evaluating the fits where they are.
 
     Raises:
-        KeyError, ValueError: fits and attempts of the record do not belong together.
+        KeyError, ValueError: fits and decisions of the record do not belong together.
     """
-    posed, kept, lines = record.problem, record.fits, record.ledger
+    posed, recorded, lines = record.problem, record.fits, record.ledger
     mismatches = [*_problem(posed, problem)]
     fits: dict[str, Fit] = {}
     largest = 0.0
-    for name, one in kept.items():
-        title = " + ".join([*(each.name for each in one.effects), *(["curve"] if one.curve else [])]) or "none"
-        progress(f"{title} ({len(fits) + 1} of {len(kept)})")
+    for name, one in recorded.items():
+        names = [each.name for each in one.effects]
+        title = " + ".join([*names, *(["spline term"] if one.spline_term else [])]) or "none"
+        progress(f"{title} ({len(fits) + 1} of {len(recorded)})")
         if fit_hash(posed, one) != name:
             mismatches.append(Mismatch(f"fit {name} ({title})", "its content does not give its hash"))
         found = _evaluated(one, problem)
@@ -84,8 +85,9 @@ def replay(
             text = f"deviance {found.deviance:.6f}, recorded {_number(one.deviance):.6f}"
             mismatches.append(Mismatch(f"fit {name} ({title})", text))
         fits[name] = _again(found, problem) if refit else found
-    mismatches += _attempts(lines, fits, exact=not refit)
-    return Replay(len(lines), len(kept), tuple(mismatches), largest)
+    decisions = _decided_anew(lines, fits, problem, progress if refit else None)
+    mismatches += _differences(lines, decisions, exact=not refit)
+    return Replay(len(lines), len(recorded), tuple(mismatches), largest)
 
 
 def _problem(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
@@ -109,110 +111,85 @@ def _alike(one: Any, other: Any) -> bool:
 
 
 def _evaluated(one: FitRecord, problem: Problem) -> Fit:
-    """A recorded fit, its deviance evaluated anew at its recorded numbers."""
-    shape = None if one.curve is None else Shape.of(one.curve)
+    """A recorded fit, its deviance evaluated anew at its recorded parameters."""
+    shape = None if one.spline_term is None else Shape.of(one.spline_term)
     hypothesis = Hypothesis(tuple(each.name for each in one.effects), shape)
-    numbers = np.array(one.numbers, dtype=float)
+    numbers = np.array(one.parameters, dtype=float)
     if len(numbers) != hypothesis.size(problem):
-        raise ValueError(f"{len(numbers)} numbers for a hypothesis of {hypothesis.size(problem)}")
+        raise ValueError(f"{len(numbers)} parameters for a hypothesis of {hypothesis.size(problem)}")
     at, density = hypothesis.read(numbers, problem), one.process_noise_m2_s3
     deviance = problem.deviance(at.effects, at.phases, density, at.shape)
     return Fit(hypothesis, numbers, at, density, deviance, np.zeros((len(numbers),) * 2), problem.readings)
 
 
 def _again(found: Fit, problem: Problem) -> Fit:
-    """Fitted on from where it is; where that leads nowhere better, as it is."""
+    """Re-optimised from where it is; where that leads nowhere better, as it is."""
     onward = fit(problem, found.hypothesis, density=found.density, starts=[found.numbers])
     return onward if onward.deviance < found.deviance else replace(found)
 
 
-def _attempts(lines: Sequence[LedgerLine], fits: Mapping[str, Fit], *, exact: bool) -> Iterator[Mismatch]:
-    """Hashes, gains and decisions, in the order in which they were made."""
-    decided = dict(_decisions(lines, fits))
-    for n, line in enumerate(lines):
+def _decided_anew(
+    lines: Sequence[LedgerLine], fits: Mapping[str, Fit], problem: Problem, refit: Progress | None
+) -> list[Decision]:
+    """Every decision by the rules of the search, from the fits and the held-out figures."""
+    criterion = Criterion(problem.settings)
+    decisions: list[Decision] = []
+    rounds = groupby(lines, key=lambda line: (line.rule, line.against, line.evidence.winner))
+    for (rule, against, _), each in rounds:
+        tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in each]
+        winner = _winner(Rule(rule), tried, criterion)
+        for one, evidence in tried:
+            among = evidence if evidence.winner is None else replace(evidence, winner=winner)
+            decisions.append(criterion.decide(Rule(rule), one, fits[against], among))
+    return decisions
+
+
+def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
+    """The best of a round: by its held-out gain if that is what is asked, else by the criterion."""
+    if rule is Rule.EXTEND:
+        margins = [(criterion.reduction(evidence), one) for one, evidence in tried]
+        sure = [(margin.value, one) for margin, one in margins if margin.sure]
+        return max(sure, key=lambda each: each[0])[1] if sure else None
+    return min((one for one, _ in tried), key=criterion.value)
+
+
+def _evidence(
+    line: LedgerLine,
+    fits: Mapping[str, Fit],
+    problem: Problem,
+    refit: Progress | None,
+) -> Evidence:
+    """Evidence of a line; held-out figures as recorded, or computed anew."""
+    recorded = line.evidence
+    before, after = tuple(map(_number, recorded.before)), tuple(map(_number, recorded.after))
+    one, against = fits[line.fit], fits[line.against]
+    if refit is not None and before:
+        if line.rule == Rule.SPLINE:
+            before, after = held_out_deviances(problem, against, one, refit)
+        else:
+            refit(f"{line.effect} on held-out windows")
+            before, after = held_out_errors(problem, against), held_out_errors(problem, one)
+    return Evidence(
+        winner=None if recorded.winner is None else fits[recorded.winner],
+        holder=None if recorded.holder is None else fits[recorded.holder],
+        without=tuple(fits[name] for name in recorded.without),
+        before=before,
+        after=after,
+        tests=recorded.tests,
+        nested=recorded.nested,
+    )
+
+
+def _differences(lines: Sequence[LedgerLine], decisions: Sequence[Decision], *, exact: bool) -> Iterator[Mismatch]:
+    """Hashes, gains, decisions and reasons that are not as recorded."""
+    for n, (line, now) in enumerate(zip(lines, decisions, strict=True)):
         where = f"attempt {n + 1}, {line.effect}"
         if hashed(line) != line.hash:
             yield Mismatch(where, "its content does not give its hash")
-        if exact:
-            gain = _gain(line, fits)
-            if not abs(gain - _number(line.gain)) <= _TOLERANCE:
-                yield Mismatch(where, f"gain {gain:.4f}, recorded {_number(line.gain):.4f}")
-        if n in decided and decided[n] != line.kept:
-            yield Mismatch(where, f"is {_fate(decided[n])}, recorded as {_fate(line.kept)}")
-
-
-def _decisions(lines: Sequence[LedgerLine], fits: Mapping[str, Fit]) -> Iterator[tuple[int, bool]]:
-    """Which attempts are to be kept, by the rules of the search, from the fits alone.
-
-    Curves dropped beside others and predictions come last, and need fits to fewer recordings.
-    """
-    lines = [line for line in lines if line.rule in _RULES]
-    current = base = next(iter(fits))
-    n = 0
-    while n < len(lines):
-        line, kept = lines[n], False
-        if line.rule == "again":  # with a runner-up of the first round
-            current, kept = base, _gain(line, fits) > THRESHOLD
-        elif line.rule == "either":
-            current, kept = line.against, _gain(line, fits) > THRESHOLD
-        elif line.rule == "split":
-            more = len(fits[line.fit].hypothesis.names) > len(fits[line.against].hypothesis.names)
-            kept = _gain(line, fits) > (RARER if more else -RARER)
-            kept = kept and (line.kept or not more)  # each of two must also pay, by fits that were not kept
-        elif line.fit == current:  # tried without what had been kept
-            dropped = _gain(line, fits) < THRESHOLD
-            yield n, not dropped
-            current = line.against if dropped else current
-            n += 1
-            continue
-        else:
-            round_ = _round(lines, n, current)
-            best = min(round_, key=lambda i: _criterion(fits[lines[i].fit]))
-            kept = _pays(lines[best], fits, current)
-            if _has_curve(lines[best], fits):  # it must also recur, which is a matter of fits to fewer recordings
-                kept = kept and lines[best].kept
-            yield from ((i, kept and i == best) for i in round_)
-            current = lines[best].fit if kept else current
-            n += len(round_)
-            continue
-        yield n, kept
-        current = line.fit if kept else current
-        n += 1
-
-
-def _round(lines: Sequence[LedgerLine], first: int, current: str) -> range:
-    """All attempts from the `first` one on that were made on top of the same."""
-    end = first
-    while (
-        end < len(lines)
-        and lines[end].rule == "score"
-        and lines[end].against == lines[first].against
-        and lines[end].fit != current
-    ):
-        end += 1
-    return range(first, end)
-
-
-def _pays(line: LedgerLine, fits: Mapping[str, Fit], current: str) -> bool:
-    """Whether the best attempt of a round replaces what is current."""
-    tried, against = fits[line.fit], fits[line.against]
-    if line.against != current:  # in place of one that had been kept
-        return _criterion(tried) < _criterion(fits[current])
-    curve = _has_curve(line, fits) and against.hypothesis.shape is None
-    return _gain(line, fits) > (CURVE_THRESHOLD if curve else THRESHOLD)
-
-
-def _has_curve(line: LedgerLine, fits: Mapping[str, Fit]) -> bool:
-    return fits[line.fit].hypothesis.shape is not None
-
-
-def _gain(line: LedgerLine, fits: Mapping[str, Fit]) -> float:
-    tried, against = fits[line.fit], fits[line.against]
-    return against.bic - tried.bic if _has_curve(line, fits) else against.score - tried.score
-
-
-def _criterion(one: Fit) -> float:
-    return one.score if one.hypothesis.shape is None else one.bic
+        if now.kept != line.kept:
+            yield Mismatch(where, f"is {_fate(now.kept)}, recorded as {_fate(line.kept)}")
+        if exact and not abs(now.gain - _number(line.gain)) <= _TOLERANCE:
+            yield Mismatch(where, f"gain {now.gain:.4f}, recorded {_number(line.gain):.4f}")
 
 
 def _fate(kept: bool) -> str:

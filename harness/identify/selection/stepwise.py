@@ -1,4 +1,4 @@
-"""Which effects act: found one after the other, tested together, dropped when they no longer pay."""
+"""Stepwise selection: effects added one after the other, each followed by swap steps, until none pays any more."""
 
 from __future__ import annotations
 
@@ -6,59 +6,44 @@ from operator import itemgetter
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import THRESHOLD, Entry, Progress, beside, explained, found_in, glimpse, tell
-from harness.identify.selection.swaps import MOST, settle
-
-# What comes first by itself can be what two effects look like together. Where much is left in the end, the search
-# begins again with one of so many runners-up: that beside which a look sees most, if it sees nearly as much.
-_OTHERS = 4
-_SHARE = 0.25  # of the winner's gain, below which another does not begin
-_NEARLY = 10.0  # of the score, which a fit gains over a look
+from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, found_in
+from harness.identify.selection.criterion import Rule
+from harness.identify.selection.ledger import Ledger
+from harness.identify.selection.swaps import swap_steps
 
 
-def select(problem: Problem, base: Fit, progress: Progress = lambda _: None) -> tuple[Fit, list[Entry]]:
-    """Find the effects that the recordings call for.
+def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """The fit with the effects that the recordings call for.
+
+    What comes first by itself can be what two other effects look like together. Where much is left unexplained, the
+    search is made again from the runner-up beside which a screening fit predicts most, and the better end is kept.
 
     Args:
-        base: what is to be explained: the fit of nothing but what is unknown of the rig.
-
-    Returns:
-        The best fit, and every attempt in order.
+        base: the fit of what is unknown of the rig, and nothing else.
+        ledger: which every decision is written to.
     """
-    first = beside(problem, base, progress)
-    ledger = tell(first, base, first[0], kept=_pays(first[0], base))
-    best = _grown(problem, base, first[0], ledger, progress)
-    if explained(problem, best):
-        return best, ledger
-    least = max(THRESHOLD, _SHARE * (base.score - first[0].score))
-    others = [one for one in first[1 : 1 + _OTHERS] if base.score - one.score > least]
-    seen, other = min(
-        ((glimpse(problem, one, progress), one) for one in others), key=itemgetter(0), default=(0.0, None)
-    )
-    if other is not None and seen < best.score + _NEARLY:
-        ledger += tell([other], base, other, rule="again")
-        grown = _grown(problem, base, other, ledger, progress)
-        names, rivals = (" + ".join(found_in(problem, one)) for one in (grown, best))
-        kept = _pays(grown, best)
-        because = f"explains {'' if kept else 'no '}more than {rivals}"
-        gain = best.score - grown.score
-        ledger.append(Entry(names, problem.unknown, gain, kept, because, grown, best, "either"))
-        best = grown if kept else best
-    return best, ledger
+    settings, criterion = problem.settings, ledger.criterion
+    first = fit_candidates(problem, base, progress)
+    best = _grow(problem, base, ledger.decide_round(Rule.ADD, first, base), ledger, progress)
+    if not first or criterion.explained(problem, best):
+        return best
+    least = max(settings.keep, settings.restart_share * criterion.gain(first[0], base))
+    others = [one for one in first[1 : 1 + settings.restarts_from] if criterion.gain(one, base) > least]
+    screened = [(best_screened(problem, one, progress), one) for one in others]
+    lowest, other = min(screened, key=itemgetter(0), default=(0.0, None))
+    if other is None or lowest >= criterion.value(best) + settings.restart_slack:
+        return best
+    ledger.decide(Rule.RESTART, other, base, found_in(problem, other))
+    again = _grow(problem, base, other, ledger, progress)
+    return again if ledger.decide(Rule.PREFER, again, best, found_in(problem, again)) else best
 
 
-def _grown(problem: Problem, base: Fit, first: Fit, ledger: list[Entry], progress: Progress) -> Fit:
+def _grow(problem: Problem, base: Fit, first: Fit | None, ledger: Ledger, progress: Progress) -> Fit:
     """What is found when `first` is kept first: one effect after the other, until no further one pays."""
-    best, winner = base, first
-    while _pays(winner, best):
-        best = settle(problem, winner, ledger, progress)
-        if len(found_in(problem, best)) >= MOST:
+    best, kept = base, first
+    while kept is not None:
+        best = swap_steps(problem, kept, ledger, progress)
+        if len(found_in(problem, best)) >= problem.settings.max_effects:
             break
-        tried = beside(problem, best, progress)
-        winner = tried[0]
-        ledger += tell(tried, best, winner, kept=_pays(winner, best))
+        kept = ledger.decide_round(Rule.ADD, fit_candidates(problem, best, progress), best)
     return best
-
-
-def _pays(one: Fit, other: Fit) -> bool:
-    return other.score - one.score > THRESHOLD

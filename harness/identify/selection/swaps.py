@@ -1,4 +1,4 @@
-"""Effects found are held against all that could stand in their place, until nothing changes."""
+"""Swap steps of the stepwise selection: each effect found is held against all that could stand in its place."""
 
 from __future__ import annotations
 
@@ -7,68 +7,59 @@ from dataclasses import replace
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import THRESHOLD, Entry, Progress, beside, fitted, found_in, tell
+from harness.identify.selection.candidates import Progress, fit_candidates, found_in, refitted
+from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.ledger import Ledger
 
-MOST = 4  # effects found beside those declared; more are not told apart by recordings of this length
-_MOSTLY = 0.1  # of the process noise is left by an effect that explains most of what was missing
-
-# One law of several numbers that two laws of one number each imitate or are: on a beam that is not level a resistance
-# differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with speed from what
-# it is at rest is resistance and drag. Two causes are the rarer explanation, so they have to be the better one by
-# something: of blind trials in which the one acts, the two were better by 0.2 at most; in which the two act, by 3.4 at
-# least.
+# One law of several parameters that two laws of one parameter each imitate or are: on a beam that is not level a
+# resistance differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with
+# speed from what it is at rest is resistance and drag.
 SPLITS = {
     "directional_resistance": ("rolling_resistance", "level_error"),
     "track_curvature": ("level_error", "beam_compliance"),
     "stribeck_friction": ("rolling_resistance", "quadratic_drag"),
 }
-RARER = 1.0  # of the score
 
 
-def settle(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
-    """What stays of an effect found beside others, with what takes the place of the others.
+def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """`best` after splits, merges, drops and swaps, until nothing changes.
 
-    Every change but a split lowers the score and the price of the choices together; a split may lead back to what had
-    been held before, and that then stays.
+    Every change but a split lowers the criterion; a split may lead back to what had been held before, which ends it.
     """
     held: list[set[str]] = []
     while True:
-        best = _split(problem, best, ledger, progress)
+        best = _split_or_merge(problem, best, ledger, progress)
         if set(best.hypothesis.names) in held:
             return best
         held.append(set(best.hypothesis.names))
         former = best
         if len(found_in(problem, best)) > 1:
-            best = _challenge(problem, best, ledger, progress)
+            best = _swap(problem, best, ledger, progress)
         if best is former:
             return best
 
 
-def _challenge(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
-    """Hold each kept effect against none and against all others; what the first change leads to, if there is one."""
+def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """Hold each effect against none and against all others; the first change, or `best`."""
     for name in found_in(problem, best):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
-        without = fitted(problem, rest, best)
-        if without.score < best.score + THRESHOLD:
-            because = "no longer pays beside the others"
-            ledger.append(Entry(name, rest, without.score - best.score, False, because, best, without))
+        without = refitted(problem, rest, best)
+        if not ledger.decide(Rule.DROP, best, without, (name,)):
             return without
-        if best.density < _MOSTLY * without.density:
-            others = beside(problem, _where(problem, without, best), progress, without=name, in_its_place=True)
-        else:
-            others = beside(problem, without, progress, without=name)
-        winner = min(others[0], best, key=lambda one: one.score)
-        ledger += tell(others, without, winner)
-        if winner is not best:
-            return winner
+        main = best.density < problem.settings.absorbed_share * without.density
+        start = _at_values_of(problem, without, best) if main else without
+        tried = fit_candidates(problem, start, progress, excluding=name, replacing=main)
+        swapped = ledger.decide_round(Rule.SWAP, tried, without, holder=best)
+        if swapped is not None:
+            return swapped
     return best
 
 
-def _where(problem: Problem, without: Fit, best: Fit) -> Fit:
+def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
     """`without` an effect, at the values that `best` has with it, and a process noise between those of the two.
 
-    What stands in for that effect is looked for from there: fitted without it, the others have moved to make up for it.
+    What stands in for that effect is searched from there: fitted without it, the others have moved to make up for it.
     """
     density = math.sqrt(without.density * best.density)
     (start,) = without.hypothesis.starts(problem, best.values(), density)
@@ -77,24 +68,24 @@ def _where(problem: Problem, without: Fit, best: Fit) -> Fit:
     return replace(without, numbers=start, best=at, density=density, deviance=deviance)
 
 
-def _split(problem: Problem, best: Fit, ledger: list[Entry], progress: Progress) -> Fit:
-    """Hold one law against the two that imitate it, whichever was found; two have to explain more, and each to pay."""
+def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """Hold one law against the two that imitate it, whichever was found."""
     for name, pair in SPLITS.items():
         names = found_in(problem, best)
-        parting = name in names and not set(pair) & set(names) and len(names) < MOST
-        if not parting and (name in names or not set(pair) <= set(names)):
-            continue
-        old: tuple[str, ...] = (name,) if parting else pair
-        new: tuple[str, ...] = pair if parting else (name,)
-        rest = tuple(other for other in best.hypothesis.names if other not in old)
-        progress(f"{' + '.join(new)} for {' + '.join(old)}")
-        other = fitted(problem, (*rest, *new), best)
-        gain = best.score - other.score
-        kept = gain > (RARER if parting else -RARER)
-        if parting and kept:
-            kept = all(fitted(problem, (*rest, one), other).score - other.score > THRESHOLD for one in pair)
-        how = "no more than" if not kept else "more than" if gain > RARER else "as much as"
-        because = f"{'explain' if parting else 'explains'} {how} {' + '.join(old)}"
-        ledger.append(Entry(" + ".join(new), rest, gain, kept, because, other, best, "split"))
-        best = other if kept else best
+        if name in names and not set(pair) & set(names) and len(names) < problem.settings.max_effects:
+            best = _split(problem, best, name, pair, ledger, progress)
+        elif name not in names and set(pair) <= set(names):
+            progress(f"{name} for {' + '.join(pair)}")
+            rest = tuple(one for one in best.hypothesis.names if one not in pair)
+            merged = refitted(problem, (*rest, name), best)
+            best = merged if ledger.decide(Rule.MERGE, merged, best, (name,)) else best
     return best
+
+
+def _split(problem: Problem, best: Fit, name: str, pair: tuple[str, str], ledger: Ledger, progress: Progress) -> Fit:
+    progress(f"{' + '.join(pair)} for {name}")
+    rest = tuple(one for one in best.hypothesis.names if one != name)
+    parted = refitted(problem, (*rest, *pair), best)
+    worth = ledger.criterion.gain(parted, best) > problem.settings.pair_penalty  # else the fits without each are idle
+    without = tuple(refitted(problem, (*rest, one), parted) for one in pair) if worth else ()
+    return parted if ledger.decide(Rule.SPLIT, parted, best, pair, Evidence(without=without)) else best

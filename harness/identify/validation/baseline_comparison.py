@@ -1,4 +1,4 @@
-"""Is the model better than the yardsticks? All predict the same 3 s from the same 2 s, of pieces that none has seen.
+"""Is the model better than the baselines? All predict the same 3 s from the same 2 s, of pieces that none has seen.
 
 The model's filter, too, knows only the two seconds before a window. How far it trusts its own law within these is its
 process noise; the likeliest for the next reading need not be the best for the next seconds, where the model or the
@@ -8,120 +8,72 @@ sensor errs in a way that is not white. For this contest it is chosen on the pie
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import Fit
-from harness.identify.estimate.forecast import filtered
-from harness.identify.problem.problem import Problem
-from harness.identify.validation.baselines import Window, fit_double_integrator, fit_output_error, windows_of
-from harness.identify.validation.held_out import Split
+from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
+from harness.identify.problem.windows import windows_of
+from harness.identify.validation.baselines import fit_double_integrator, fit_output_error
+from harness.identify.validation.held_out import HeldOut
+from harness.metrics.paired import Margin, rms_reduction
 from harness.progress import Progress, silent
 
 BEFORE, AFTER = "before", "after"
 INTEGRATOR, BLACK_BOX = "double_integrator", "output_error"
-YARDSTICKS = (INTEGRATOR, BLACK_BOX)
+BASELINES = (INTEGRATOR, BLACK_BOX)
 _LEAST = 4  # windows from which a difference can be judged
-_RESAMPLES = 9999
-_DENSITIES = 10.0 ** np.arange(-9.0, -1.0)  # of the process noise that are tried [m²/s³]
 
 
 @dataclass(frozen=True)
-class Margin:
-    """By how much one is better than another: difference of RMS errors, with its interval [m]."""
+class BaselineComparison:
+    """RMS error of every window by source, each of shape (windows,) [m]: before, after, and the baselines."""
 
-    value: float
-    low: float
-    high: float
-
-    @property
-    def sure(self) -> bool:
-        """Whether it is better beyond what the choice of windows may do."""
-        return self.low > 0.0
-
-
-@dataclass(frozen=True)
-class Contest:
-    """RMS error of every window by contender, each of shape (windows,) [m]: before, after, and the yardsticks."""
-
-    misses: Mapping[str, FloatArray]
+    errors: Mapping[str, FloatArray]
 
     @property
     def windows(self) -> int:
         """How many were predicted."""
-        return len(self.misses[AFTER])
+        return len(self.errors[AFTER])
 
-    def rms(self, contender: str) -> float:
+    def rms(self, source: str) -> float:
         """Over all windows, which count alike [m]."""
-        return float(_rms(self.misses[contender]))
+        return float(_rms(self.errors[source]))
 
-    def margin(self, yardstick: str) -> Margin | None:
+    def margin(self, baseline: str) -> Margin | None:
         """By how much the model with what was found is better; `None` for too few windows."""
-        return None if self.windows < _LEAST else margin(self.misses[yardstick], self.misses[AFTER])
+        return None if self.windows < _LEAST else rms_reduction(self.errors[baseline], self.errors[AFTER])
 
-    def won(self, yardstick: str) -> int:
+    def won(self, baseline: str) -> int:
         """Windows that the model with what was found predicts better."""
-        return int(np.sum(self.misses[AFTER] < self.misses[yardstick]))
+        return int(np.sum(self.errors[AFTER] < self.errors[baseline]))
 
 
-def margin(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margin:
-    """By how much errors of the same windows, shape (windows,) [m], are less `after`.
-
-    The interval is a paired bootstrap's over windows (Efron and Tibshirani, An Introduction to the Bootstrap, 1993,
-    chapter 13): windows differ much more among themselves than contenders do on one window.
-
-    Args:
-        chance: two-sided share of what the interval leaves out [1].
-    """
-    drawn = np.random.default_rng(0).integers(len(before), size=(_RESAMPLES, len(before)))
-    low, high = np.percentile(_rms(before[drawn]) - _rms(after[drawn]), (50.0 * chance, 100.0 - 50.0 * chance))
-    return Margin(float(_rms(before) - _rms(after)), float(low), float(high))
-
-
-def contest(held: Sequence[Split], progress: Progress = silent) -> Contest | None:
-    """Let the model, before and after, and the yardsticks predict what was held out; `None` if that has no window.
+def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = silent) -> BaselineComparison | None:
+    """Let the model, before and after, and the baselines predict what was held out; `None` if that has no window.
 
     Args:
         held: fits to a part of the recordings, and the rest of them.
     """
-    misses: dict[str, list[float]] = {name: [] for name in (BEFORE, AFTER, *YARDSTICKS)}
+    errors: dict[str, list[float]] = {name: [] for name in (BEFORE, AFTER, *BASELINES)}
     for split in held:
         seen, ahead = windows_of(split.problem.records), windows_of(split.left)
         if not seen or not ahead:
             continue
-        progress(f"yardsticks for {', '.join(record.name for record in split.left)}")
-        before = missed(split.problem, for_horizon(split.problem, split.base, seen), ahead)
+        progress(f"baselines for {', '.join(record.name for record in split.left)}")
+        before = window_errors(split.problem, tuned_to_windows(split.problem, split.base, seen), ahead)
         same = split.found.hypothesis == split.base.hypothesis
-        misses[BEFORE] += before
-        found = split.found if same else for_horizon(split.problem, split.found, seen)
-        misses[AFTER] += before if same else missed(split.problem, found, ahead)
-        for name, yardstick in zip(YARDSTICKS, (fit_double_integrator(seen), fit_output_error(seen)), strict=True):
-            misses[name] += [window.miss(yardstick.predict(window)) for window in ahead]
-    if not misses[AFTER]:
+        errors[BEFORE] += before
+        found = split.found if same else tuned_to_windows(split.problem, split.found, seen)
+        errors[AFTER] += before if same else window_errors(split.problem, found, ahead)
+        for name, baseline in zip(BASELINES, (fit_double_integrator(seen), fit_output_error(seen)), strict=True):
+            errors[name] += [window.rms_error(baseline.predict(window)) for window in ahead]
+    if not errors[AFTER]:
         return None
-    return Contest({name: np.array(each) for name, each in misses.items()})
+    return BaselineComparison({name: np.array(each) for name, each in errors.items()})
 
 
-def missed(problem: Problem, one: Fit, ahead: Sequence[Window]) -> list[float]:
-    """RMS error of the model in each window [m]."""
-    return [miss(problem, one, window) for window in ahead]
-
-
-def miss(problem: Problem, found: Fit, window: Window) -> float:
-    """RMS error of the model in a window of which it knows the beginning only [m]."""
-    reading = np.full_like(window.record.reading, np.nan)
-    reading[window.use] = np.where(window.known, window.reading, np.nan)
-    return window.miss(filtered(problem, found, window.record, reading).recorded[window.use])
-
-
-def for_horizon(problem: Problem, found: Fit, seen: Sequence[Window]) -> Fit:
-    """The same fit with the process noise that predicts the windows of its own recordings best."""
-    tried = [found, *(replace(found, density=float(density)) for density in _DENSITIES)]
-    return min(tried, key=lambda one: sum(miss(problem, one, window) ** 2 for window in seen))
-
-
-def _rms(misses: FloatArray, axis: int = -1) -> Any:
-    return np.sqrt(np.mean(np.square(misses), axis=axis))
+def _rms(errors: FloatArray, axis: int = -1) -> Any:
+    return np.sqrt(np.mean(np.square(errors), axis=axis))

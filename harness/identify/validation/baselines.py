@@ -14,98 +14,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
-from harness.identify.problem.problem import Record
-from harness.identify.validation.held_out import KNOWN
+from harness.identify.problem.windows import Window
 
-AHEAD = 3.0  # predicted [s]
-_FEWEST = 5  # readings of a window that must be known, and as many to be judged
-_ROUNDING = 1e-6  # [s]: stamps are not exact multiples of the rate
 # Where F is looked for, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: from growth or decay by e⁵ within a second to what is
 # over within one or two readings, the fastest oscillation below half the rate.
 _SLOWEST, _FASTEST = -5.0, 4.0  # [1/s], [1 per step]
 _BEGINS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped swing
 _DIFFERENCE = 1e-4  # of these, for slopes
-
-
-@dataclass(frozen=True)
-class Window:
-    """A stretch of a recording: what is known of it, and what is to be predicted from that.
-
-    Attributes:
-        record: the recording.
-        begin: of the known part, a time of the recording [s].
-        use: stamps of the window, shape (n,) of the recording's.
-    """
-
-    record: Record
-    begin: float
-    use: slice
-
-    @property
-    def time(self) -> FloatArray:
-        """Stamps since its begin, shape (m,) [s]."""
-        return self.record.time[self.use] - self.begin
-
-    @property
-    def reading(self) -> FloatArray:
-        """Positions, NaN where there is none that counts, shape (m,) [m]."""
-        return self.record.reading[self.use]
-
-    @cached_property
-    def known(self) -> NDArray[np.bool_]:
-        """Readings that a prediction may use, shape (m,)."""
-        return np.isfinite(self.reading) & (self.time < KNOWN - _ROUNDING)
-
-    @cached_property
-    def judged(self) -> NDArray[np.bool_]:
-        """Readings that a prediction is held against, shape (m,)."""
-        return np.isfinite(self.reading) & (self.time >= KNOWN - _ROUNDING)
-
-    @cached_property
-    def step(self) -> float:
-        """Usual distance of two readings [s]."""
-        return float(np.median(np.diff(self.time)))
-
-    @cached_property
-    def grid(self) -> FloatArray:
-        """Even times that cover the window, shape (k,) [s]; a recording's own stamps where these are even."""
-        return self.step * np.arange(math.ceil(self.time[-1] / self.step - _ROUNDING) + 1)
-
-    @cached_property
-    def angle(self) -> FloatArray:
-        """α at the grid, shape (k,) [rad]."""
-        return self.record.drive.angle(np.minimum(self.begin + self.grid, self.record.time[-1]))
-
-    def at_stamps(self, columns: Sequence[FloatArray]) -> FloatArray:
-        """Signals on the grid, each of shape (k,), at the stamps: shape (m, number of signals)."""
-        return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
-
-    def miss(self, predicted: FloatArray) -> float:
-        """RMS error of positions, shape (m,), where they are judged [m]."""
-        return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
-
-
-def windows_of(records: Sequence[Record]) -> tuple[Window, ...]:
-    """All windows with 2 s known and 3 s to be predicted, one after the other; the predicted parts do not overlap."""
-    found = []
-    for record in records:
-        time = record.time - record.time[0]
-        for i in range(int((time[-1] - KNOWN) / AHEAD + _ROUNDING)):
-            first, last = np.searchsorted(time, np.array([i * AHEAD, i * AHEAD + KNOWN + AHEAD]) - _ROUNDING)
-            window = Window(record, float(record.time[0]) + i * AHEAD, slice(int(first), int(last)))
-            if window.known.sum() >= _FEWEST and window.judged.sum() >= _FEWEST:
-                found.append(window)
-    return tuple(found)
 
 
 class Law(Protocol):
@@ -161,7 +84,7 @@ class OutputError:
 
 
 @dataclass(frozen=True)
-class Yardstick:
+class Baseline:
     """A fitted law; `gains` of shape (gains,), as many as `law.driven` has."""
 
     law: Law
@@ -175,13 +98,13 @@ class Yardstick:
         return run + free @ start
 
 
-def fit_double_integrator(windows: Sequence[Window]) -> Yardstick:
+def fit_double_integrator(windows: Sequence[Window]) -> Baseline:
     """k and k α₀ by least squares over free runs of the windows."""
     law = DoubleIntegrator()
-    return Yardstick(law, _gains(law, windows)[0])
+    return Baseline(law, _gains(law, windows)[0])
 
 
-def fit_output_error(windows: Sequence[Window]) -> Yardstick:
+def fit_output_error(windows: Sequence[Window]) -> Baseline:
     """B and F by least squares over free runs of the windows."""
     fastest = _FASTEST / max(window.step for window in windows)
     low, high = (_SLOWEST, -(_SLOWEST**2)), (fastest, fastest**2)
@@ -192,7 +115,7 @@ def fit_output_error(windows: Sequence[Window]) -> Yardstick:
     every = [least_squares(left, begin, bounds=(low, high), diff_step=[_DIFFERENCE] * 2) for begin in _BEGINS]
     found = min(every, key=lambda one: float(one.cost))
     law = OutputError((float(found.x[0]), float(found.x[1])))
-    return Yardstick(law, _gains(law, windows)[0])
+    return Baseline(law, _gains(law, windows)[0])
 
 
 def _gains(law: Law, windows: Sequence[Window]) -> tuple[FloatArray, FloatArray]:

@@ -24,7 +24,8 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.problem.problem import Filtered, Problem, Record, phased
 from harness.identify.problem.spline_term import Depends, Shape
-from harness.identify.validation.held_out import Split, windows
+from harness.identify.problem.windows import horizon_spans
+from harness.identify.validation.held_out import HeldOut
 from harness.parallel import meanwhile
 from harness.progress import Progress, silent
 
@@ -43,7 +44,7 @@ _SLIPPERY: Mapping[str, Callable[[float], dict[str, Any]]] = {
 
 
 def engine_errors(
-    seen: Split, held: Sequence[Split] = (), progress: Progress = silent, *, jobs: int = 1
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> dict[str, dict[str, Any]]:
     """RMS errors [m] of each engine by horizon, without and with what was found; horizons as in `verify.errors`.
 
@@ -64,7 +65,7 @@ def engine_errors(
 
 @contextmanager
 def engines_running(
-    seen: Split, held: Sequence[Split] = (), progress: Progress = silent, *, jobs: int = 1
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
     """As `engine_errors`, with the engines in processes of their own while the block goes on (`harness.parallel`)."""
     engines = {name: engine_of(name) for name in DEFAULT_ENGINES}
@@ -75,7 +76,7 @@ def engines_running(
                 runs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
     words = f"{' and '.join(engines)} on {', '.join(record.name for record in seen.left)}"
 
-    def both(engine: Engine, splits: Sequence[Split], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
+    def both(engine: Engine, splits: Sequence[HeldOut], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
         return {
             when: _errors([found[_key(engine, fit(one), record)] for one in splits for record in one.left])
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
@@ -174,7 +175,7 @@ class _Scene:
         time = record.time - record.time[0]
         known = np.isfinite(record.reading)
         spans: list[tuple[str, int, int]] = []
-        for horizon, first, last in windows(time):
+        for horizon, first, last in horizon_spans(time):
             judged = known & (time >= first) & (time < last)
             if (known & (time < first)).sum() > 5 and judged.sum() > 1:
                 spans.append((horizon, int(np.argmax(time >= first)), int(np.flatnonzero(judged)[-1]) + 1))

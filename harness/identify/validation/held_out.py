@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,11 +12,9 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.windows import folds, horizon_spans
 from harness.identify.validation.whiteness import Dependence, joined, on_beam
 from harness.progress import Progress, silent
-
-KNOWN = 2.0  # of each prediction [s]: what comes before it is known
-HORIZONS = (1.0, 2.0, 3.0, 5.0)
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Pr
         progress(f"errors of {record.name}")
         time = record.time - record.time[0]
         known = np.isfinite(record.reading)
-        for name, first, last in windows(time):
+        for name, first, last in horizon_spans(time):
             reading = np.where((time < first) & known, record.reading, np.nan)
             judged = known & (time >= first) & (time < last)
             if np.isfinite(reading).sum() > 5 and judged.any():
@@ -64,38 +62,28 @@ def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Pr
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
 
 
-def windows(time: FloatArray) -> list[tuple[str, float, float]]:
-    """Name, begin and end of every prediction [s], for stamps that begin at 0, shape (n,)."""
-    end = float(time[-1])
-    found = []
-    for horizon in HORIZONS:
-        count = int((end - KNOWN) / horizon + 1e-6)
-        found += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
-    return [*found, ("whole", KNOWN, end + 1.0)]
-
-
 @dataclass(frozen=True)
-class Comparison:
+class BeforeAfter:
     """Errors without and with what was found."""
 
     before: Errors
     after: Errors
 
 
-def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> Comparison:
+def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> BeforeAfter:
     """On the recordings that it was found from."""
-    return Comparison(
+    return BeforeAfter(
         errors(problem, base, problem.records, progress), errors(problem, found, problem.records, progress)
     )
 
 
-def on_another(problem: Problem, base: Fit, found: Fit, record: Record, progress: Progress) -> Comparison:
+def on_another(problem: Problem, base: Fit, found: Fit, record: Record, progress: Progress) -> BeforeAfter:
     """On a recording that nothing was fitted to."""
-    return Comparison(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
+    return BeforeAfter(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
 
 
 @dataclass(frozen=True)
-class Split:
+class HeldOut:
     """Fits to a part of the recordings, and the recordings that they have not seen.
 
     Attributes:
@@ -110,40 +98,24 @@ class Split:
     left: tuple[Record, ...]
 
 
-def splits(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[Split, ...]:
+def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[HeldOut, ...]:
     """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
     made = []
-    for rest, left in parts(problem):
-        progress(f"held out: {', '.join(record.name for record in left)}")
-        sub = replace(problem, records=rest)
+    for fold in folds(problem):
+        progress(f"held out: {fold.title}")
+        sub = fold.problem
         plain = fit(sub, Hypothesis(problem.unknown), density=base.density, known=base.values())
         again = fit(sub, found.refined, density=found.density, known=found.values())
-        made.append(Split(sub, plain, again, left))
+        made.append(HeldOut(sub, plain, again, fold.left))
     return tuple(made)
 
 
-def held_out(parts: Sequence[Split]) -> Comparison:
+def on_held_out(parts: Sequence[HeldOut]) -> BeforeAfter:
     """On recordings that the values were not fitted to."""
-    return Comparison(
+    return BeforeAfter(
         _mean([errors(one.problem, one.base, one.left) for one in parts]),
         _mean([errors(one.problem, one.found, one.left) for one in parts]),
     )
-
-
-def parts(problem: Problem) -> list[tuple[tuple[Record, ...], tuple[Record, ...]]]:
-    """Recordings to fit to and recordings to judge on: each in turn, or halves of a single one's positions."""
-    records = problem.records
-    if len(records) > 1:
-        return [(tuple(r for r in records if r is not left), (left,)) for left in records]
-    (one,) = records
-    known = np.flatnonzero(np.isfinite(one.reading))
-    middle = int(known[len(known) // 2])  # of what is known: there may be nothing after its first seconds
-    halves = [_piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))]
-    return [((halves[0],), (halves[1],)), ((halves[1],), (halves[0],))]
-
-
-def _piece(record: Record, part: str, where: slice) -> Record:
-    return Record(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)
 
 
 def _mean(each: Sequence[Errors]) -> Errors:

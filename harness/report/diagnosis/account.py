@@ -64,7 +64,7 @@ class Account:
     @property
     def changed(self) -> bool:
         """Whether anything was found that acts."""
-        return bool(self.diagnosis.findings) or self.diagnosis.found.hypothesis.shape is not None
+        return bool(self.diagnosis.effects) or self.diagnosis.found.hypothesis.shape is not None
 
     @property
     def shown(self) -> Record:

@@ -1,21 +1,20 @@
-"""Yardsticks: whether the model predicts better than models that know next to nothing."""
+"""Baselines: whether the model predicts better than models that know no physics of a rolling ball."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from harness.formatting import NONE, brief, length
+from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.validation.baseline_comparison import (
     AFTER,
+    BASELINES,
     BEFORE,
     BLACK_BOX,
     INTEGRATOR,
-    YARDSTICKS,
-    Contest,
-    Margin,
+    BaselineComparison,
 )
-from harness.identify.validation.baselines import AHEAD
-from harness.identify.validation.held_out import KNOWN
+from harness.metrics.paired import Margin
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
@@ -29,40 +28,38 @@ _TITLES = {
 
 
 def section(account: Account) -> Section | None:
-    """The yardsticks; `None` where nothing was long enough to be predicted."""
-    contest = account.diagnosis.contest
-    if contest is None:
+    """The baselines; `None` where nothing was long enough to be predicted."""
+    compared = account.diagnosis.baselines
+    if compared is None:
         return None
     context = {
-        "answer": _answer(contest),
-        "worse": contest.rms(AFTER) > contest.rms(BEFORE),
+        "answer": _answer(compared),
+        "worse": compared.rms(AFTER) > compared.rms(BEFORE),
         "known": brief(KNOWN),
         "ahead": brief(AHEAD),
-        "windows": contest.windows,
-        "table": _table(contest),
+        "windows": compared.windows,
+        "table": _table(compared),
     }
-    return Section("yardsticks", "Yardsticks", "Yardsticks", "diagnosis/baselines.html", context)
+    return Section("baselines", "Baselines", "Baselines", "diagnosis/baselines.html", context)
 
 
-def _answer(contest: Contest) -> str:
+def _answer(compared: BaselineComparison) -> str:
     """Whether both are beaten, in words."""
-    margins = {name: contest.margin(name) for name in YARDSTICKS}
+    margins = {name: compared.margin(name) for name in BASELINES}
     if any(margin is None for margin in margins.values()):
         return "There are too few windows to say who predicts better."
     sure = [name for name, margin in margins.items() if margin is not None and margin.sure]
     ahead = [name for name, margin in margins.items() if margin is not None and margin.value > 0.0]
-    if len(sure) == len(YARDSTICKS):
-        return "The model predicts better than both yardsticks, beyond what the choice of windows may do."
-    if len(ahead) == len(YARDSTICKS):
-        unsure = " and the ".join(_TITLES[name].split(",")[0] for name in YARDSTICKS if name not in sure)
-        return (
-            f"The model predicts better than both yardsticks, but so few windows do not make it sure of the {unsure}."
-        )
-    behind = " and the ".join(_TITLES[name].split(",")[0] for name in YARDSTICKS if name not in ahead)
+    if len(sure) == len(BASELINES):
+        return "The model predicts better than both baselines, beyond what the choice of windows may do."
+    if len(ahead) == len(BASELINES):
+        unsure = " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in sure)
+        return f"The model predicts better than both baselines, but so few windows do not make it sure of the {unsure}."
+    behind = " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in ahead)
     return f"The model predicts no better than the {behind}: what acts on this rig is not described by it."
 
 
-def _table(contest: Contest) -> Table:
+def _table(compared: BaselineComparison) -> Table:
     columns = [
         Column("predicted by", text=True),
         Column("RMS error"),
@@ -72,12 +69,12 @@ def _table(contest: Contest) -> Table:
         Column("in windows"),
     ]
     rows = []
-    for name, misses in contest.misses.items():
-        margin = contest.margin(name) if name in YARDSTICKS else None
+    for name, errors in compared.errors.items():
+        margin = compared.margin(name) if name in BASELINES else None
         judged = (length(margin.value), _interval(margin)) if margin else (NONE, NONE)
-        won = f"{contest.won(name)} of {contest.windows}" if name in YARDSTICKS else NONE
-        row = (_TITLES[name], length(contest.rms(name)), length(float(np.median(misses))), *judged, won)
-        rows.append(Row(row, "best" if name == min(contest.misses, key=contest.rms) else ""))
+        won = f"{compared.won(name)} of {compared.windows}" if name in BASELINES else NONE
+        row = (_TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
+        rows.append(Row(row, "best" if name == min(compared.errors, key=compared.rms) else ""))
     return Table("Held-out predictions", columns, rows)
 
 

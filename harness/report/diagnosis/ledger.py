@@ -32,7 +32,7 @@ def _table(account: Account) -> Table:
     rows = [
         Row(
             (
-                f"`{one.effect}`",
+                f"`{one.title}`",
                 ", ".join(f"`{name}`" for name in one.beside) or "the model as declared",
                 fixed(one.gain, 1),
                 "kept" if one.kept else "",

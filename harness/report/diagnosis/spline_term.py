@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.formatting import number
-from harness.identify.depends import depends_on
-from harness.identify.estimate.fit import INFLATION, TWO_SIDED
+from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.problem import Record
 from harness.identify.problem.spline_term import Depends, Shape
 from harness.identify.validation.residual_acceleration import Trace, trace
@@ -40,9 +39,10 @@ def section(account: Account) -> Section | None:
     shape = account.diagnosis.found.best.shape
     if shape is None:
         return None
-    reach = TWO_SIDED * INFLATION * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
+    inflation = account.diagnosis.problem.settings.inflation
+    reach = TWO_SIDED * inflation * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
     factor = 1.0 if shape.friction else 1e3 * account.diagnosis.problem.rig.mass
-    first, *others = depends_on(account.diagnosis.found, account.diagnosis.ledger)
+    first, *others = account.diagnosis.depends_on
     context = {
         "friction": shape.friction,
         "depends": DEPENDENCES[first],
@@ -51,7 +51,7 @@ def section(account: Account) -> Section | None:
         "picture": _picture(account, shape, factor, reach),
         "table": _table(shape, factor, reach),
     }
-    return Section("curve", "The law that no catalogue lists", "Curve", "diagnosis/spline_term.html", context)
+    return Section("spline", "The law that no catalogue lists", "Spline term", "diagnosis/spline_term.html", context)
 
 
 def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -> Picture:

@@ -14,10 +14,11 @@ from harness.identify.design.choose import pairs_of, reveal, separate
 from harness.identify.design.closed_loop import rehearse
 from harness.identify.design.excitation import LIBRARY, room_of
 from harness.identify.design.proposal import MOST_RUNS, NOTHING, Proposal, Separation, sentence
-from harness.identify.estimate.fit import INFLATION, fit
+from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.selection.candidates import Entry
-from harness.identify.verdict import RIVAL
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.ledger import Line
 from tests.identify.short_rig import GAIN, LEVEL, RADIUS, ROLLING, SEEDS, Short, short
 
 
@@ -67,7 +68,7 @@ def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: 
         alone = replace(rig.problem, records=(rig.recorded(run, seed),))
         again = partial(fit, alone)
         found, rival = (again(each.hypothesis, density=each.density) for each in (rig.found, rig.rival))
-        reached.append(math.sqrt(max(before + rival.deviance - found.deviance, 0.0)) / INFLATION)
+        reached.append(math.sqrt(max(before + rival.deviance - found.deviance, 0.0)) / DEFAULT.inflation)
     assert abs(float(np.mean(reached)) - one.expected) < 1.0, reached
 
 
@@ -76,7 +77,7 @@ def test_recordings_diagnosed_together_bring_at_least_that(radius: Short, propos
     new = radius.recorded(radius.played(proposal), SEEDS[0])
     joint = replace(radius.problem, records=(*radius.problem.records, new))
     found, rival = (fit(joint, each.hypothesis, density=each.density) for each in (radius.found, radius.rival))
-    assert math.sqrt(rival.deviance - found.deviance) / INFLATION > proposal.smallest.expected - 1.0
+    assert math.sqrt(rival.deviance - found.deviance) / DEFAULT.inflation > proposal.smallest.expected - 1.0
 
 
 def test_profiles_keep_the_limits(radius: Short) -> None:
@@ -144,7 +145,7 @@ def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
     new = replace(rig, experiment=lagging)
     alone = replace(rig.problem, records=(new.recorded(new.played(proposed), SEEDS[0]),))
     without, with_it = fit(alone, Hypothesis(())), fit(alone, Hypothesis(("position_lag",)))
-    reached = math.sqrt(without.deviance - with_it.deviance) / INFLATION
+    reached = math.sqrt(without.deviance - with_it.deviance) / DEFAULT.inflation
     assert reached == pytest.approx(lag.expected, abs=1.0)  # as above
     assert reached > lag.needed
 
@@ -161,33 +162,40 @@ def test_nothing_is_proposed_where_nothing_would_be_seen(radius: Short) -> None:
     assert reveal(radius.problem, radius.found, ("contact_slip",)) is None
 
 
+def tried(name: str, one: Fit, against: Fit) -> Line:
+    """A line of the ledger: an effect that was tried and not kept."""
+    return Line(Rule.ADD, (name,), one, against, Evidence(), Decision(False, 0.0, ""))
+
+
 def test_rivals_are_those_that_are_not_told_apart(radius: Short) -> None:
     """Hold what was found against its indistinguishable rivals, and where there is none against the nearest."""
-    level = fit(radius.problem, Hypothesis((LEVEL,)))
+    nothing, level = (fit(radius.problem, Hypothesis(names)) for names in ((), (LEVEL,)))
     both = fit(radius.problem, Hypothesis((RADIUS, LEVEL)))
     entries = [
-        Entry(name, beside, 0.0, False, "", one, radius.found)
-        for name, beside, one in (
-            (RADIUS, (), radius.found),
-            (LEVEL, (), level),
-            (GAIN, (), radius.rival),
-            (LEVEL, (RADIUS,), both),
+        tried(name, one, against)
+        for name, one, against in (
+            (RADIUS, radius.found, nothing),
+            (LEVEL, level, nothing),
+            (GAIN, radius.rival, nothing),
+            (LEVEL, both, radius.found),
         )
     ]
-    (asked,) = pairs_of(radius.found, entries, {RADIUS: (LEVEL,)}, RIVAL)
+    (asked,) = pairs_of(radius.found, entries, {RADIUS: (LEVEL,)}, Criterion())
     assert (asked.found, asked.rival, asked.fit) == (RADIUS, LEVEL, level)
-    (nearest,) = pairs_of(radius.found, entries, {RADIUS: ()}, RIVAL)
+    (nearest,) = pairs_of(radius.found, entries, {RADIUS: ()}, Criterion())
     assert (nearest.found, nearest.rival, nearest.fit) == (RADIUS, GAIN, radius.rival)
-    assert nearest.needed == pytest.approx(math.sqrt(RIVAL))  # as many numbers as the found one
-    assert pairs_of(radius.found, entries[:1], {}, RIVAL) == []
-    assert pairs_of(radius.found, entries, {RADIUS: ("track_bump",)}, RIVAL) == [nearest]  # never tried in its place
+    assert nearest.needed == pytest.approx(math.sqrt(DEFAULT.rival))  # as many numbers as the found one
+    assert pairs_of(radius.found, entries[:1], {}, Criterion()) == []
+    assert pairs_of(radius.found, entries, {RADIUS: ("track_bump",)}, Criterion()) == [
+        nearest
+    ]  # never tried in its place
 
 
 def test_a_law_that_holds_what_was_found_is_no_rival(radius: Short) -> None:
     """Ask for nothing that tells a law from itself with a number more, for no recording does."""
     wider = replace(radius.rival, numbers=np.zeros(2), deviance=radius.found.deviance)
-    entries = [Entry(GAIN, (), 0.0, False, "", wider, radius.found)]
-    assert pairs_of(radius.found, entries, {RADIUS: ()}, RIVAL) == []
+    entries = [tried(GAIN, wider, radius.found)]
+    assert pairs_of(radius.found, entries, {RADIUS: ()}, Criterion()) == []
 
 
 def test_recordings_that_have_told_ask_for_no_more(radius: Short) -> None:

@@ -8,18 +8,19 @@ import pytest
 
 from harness.benchmark.pose import pose as pose_trial
 from harness.benchmark.trials import plan
-from harness.identify.estimate.covariance import spread_over
-from harness.identify.estimate.fit import INFLATION, TWO_SIDED, Fit, fit
+from harness.identify.estimate.covariance import with_interval_covariance
+from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from tests.identify.conftest import Posed
+from harness.identify.problem.settings import DEFAULT
+from tests.posed import Posed
 
 
 @pytest.mark.parametrize("name", ["level_error", "channel_delay", "position_gain"])
 def test_a_smooth_law_is_known_as_well_as_its_slopes_say(plain: Posed, name: str) -> None:
     """Leave the interval of a law without corners as it is."""
     found = fit(plain.problem, Hypothesis((name,)))
-    (before,), (after,) = (one.deviations().values() for one in (found, spread_over(plain.problem, found)))
+    (before,), (after,) = (one.deviations().values() for one in (found, with_interval_covariance(plain.problem, found)))
     # Over a standard deviation these laws are linear but for the ball's few stops: a twentieth of the interval.
     assert after == pytest.approx(before, rel=0.05)
 
@@ -27,7 +28,7 @@ def test_a_smooth_law_is_known_as_well_as_its_slopes_say(plain: Posed, name: str
 def test_nothing_fitted_has_no_interval(plain: Posed) -> None:
     """Pass over a fit of nothing."""
     found = fit(plain.problem, Hypothesis(()))
-    assert spread_over(plain.problem, found) is found
+    assert with_interval_covariance(plain.problem, found) is found
 
 
 def backlash(folder: Path) -> tuple[Problem, Fit]:
@@ -45,7 +46,7 @@ def test_a_law_with_corners_is_known_as_its_deviance_says(tmp_path: Path) -> Non
 
     def risen(one: Fit) -> list[float]:
         """At the two ends, over what a parabola has there."""
-        reach = TWO_SIDED * INFLATION
+        reach = TWO_SIDED * DEFAULT.inflation
         rises = []
         for end in (-reach, reach):
             numbers = found.numbers + end * one.deviations()[key] / found.hypothesis.scale(problem)
@@ -54,5 +55,5 @@ def test_a_law_with_corners_is_known_as_its_deviance_says(tmp_path: Path) -> Non
         return rises
 
     # Steps in the deviance leave a factor of two; slopes at one place put the lower end where little has risen.
-    assert all(0.5 < one < 2.0 for one in risen(spread_over(problem, found)))
+    assert all(0.5 < one < 2.0 for one in risen(with_interval_covariance(problem, found)))
     assert min(risen(found)) < 0.1

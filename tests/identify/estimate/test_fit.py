@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.identify.estimate.fit import INFLATION, fit, looks
+from harness.identify.estimate.fit import fit
+from harness.identify.estimate.screening import screen
 from harness.identify.problem.hypothesis import Hypothesis
-from tests.identify.conftest import Posed, pose
+from harness.identify.problem.settings import DEFAULT
+from tests.posed import Posed, pose
 
 TRUTHS = {
     "viscous_damping": {"coefficient": 0.02},
@@ -31,7 +33,7 @@ def test_the_interval_holds_the_truth(tmp_path: Path, seed: int, name: str) -> N
     found = fit(pose(tmp_path / "case", seed, {name: truth}).problem, Hypothesis((name,)))
     deviations = found.deviations()
     for key, value in truth.items():
-        reach = 3.29 * INFLATION * deviations[name, key]
+        reach = 3.29 * DEFAULT.inflation * deviations[name, key]
         assert abs(found.values()[name, key] - value) < reach, key
         # An interval that holds everything says nothing: a tenth of each effect here is worth several millimetres.
         assert reach < 0.1 * abs(value), key
@@ -43,7 +45,7 @@ def test_a_fit_leaves_the_bound_at_which_it_begins(tmp_path: Path) -> None:
     problem = pose(tmp_path / "case", 9, {"position_lag": {"time_constant": 0.04}}).problem
     found = fit(problem, hypothesis, density=1e-8, starts=[np.zeros(1)])
     key = ("position_lag", "time_constant")
-    assert abs(found.values()[key] - 0.04) < 3.29 * INFLATION * found.deviations()[key]
+    assert abs(found.values()[key] - 0.04) < 3.29 * DEFAULT.inflation * found.deviations()[key]
 
 
 @pytest.mark.parametrize("name", ["level_error", "channel_delay", "position_gain"])
@@ -75,26 +77,26 @@ def test_the_process_noise_to_begin_with_does_not_decide(tmp_path: Path) -> None
     assert spread < 2.0 * 0.22 * found[0].deviations()[key]
 
 
-def test_a_look_sees_what_a_fit_sees(tmp_path: Path) -> None:
+def test_a_screening_fit_sees_what_a_fit_sees(tmp_path: Path) -> None:
     """Promise in one step, at the old process noise, enough to be followed, and end near where a fit does."""
     problem = pose(tmp_path / "case", 9, {"viscous_damping": {"coefficient": 0.02}}).problem
     base = fit(problem, Hypothesis(()))
     hypothesis = Hypothesis(("viscous_damping",))
-    (look,) = looks(problem, hypothesis, base.density, {}, without=base.deviance)
+    (screened,) = screen(problem, hypothesis, base.density, {}, without=base.deviance)
     full = fit(problem, hypothesis, density=base.density)
-    # log n is the price of one number: a look that gains ten times that cannot be passed over.
-    assert base.bic - full.bic > 10.0 * np.log(problem.readings)
-    assert base.deviance - look.promise > 10.0 * np.log(problem.readings)
+    # log n is the price of one parameter: a screening fit that gains ten times that cannot be passed over.
+    assert base.deviance - full.deviance > 11.0 * np.log(problem.readings)
+    assert base.deviance - screened.predicted > 10.0 * np.log(problem.readings)
     # One Gauss–Newton step over all of a smooth law leaves its second order: a tenth is ample, for drag takes a few
     # percent of the speed.
-    assert look.numbers == pytest.approx(full.numbers, rel=0.1)
+    assert screened.numbers == pytest.approx(full.numbers, rel=0.1)
 
 
-def test_a_look_from_a_start_that_is_far_too_large_is_taken_back(tmp_path: Path) -> None:
-    """Come near nothing where nothing acts, though looking begins at a third of a typical size."""
+def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_path: Path) -> None:
+    """Come near nothing where nothing acts, though screening begins at a third of a typical size."""
     problem = pose(tmp_path / "case", 10, {}).problem
     base = fit(problem, Hypothesis(()))
     hypothesis = Hypothesis(("viscous_damping",))
-    (look,) = looks(problem, hypothesis, base.density, {}, without=base.deviance)
+    (screened,) = screen(problem, hypothesis, base.density, {}, without=base.deviance)
     # What a true zero gains is chi-squared with one degree of freedom times the inflation's square: 6.6 of it in 99 %.
-    assert abs(base.deviance - look.deviance) < 6.6 * INFLATION**2
+    assert abs(base.deviance - screened.deviance) < 6.6 * DEFAULT.overdispersion

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.identify.estimate.fit import INFLATION, fit
+from harness.identify.estimate.fit import fit
 from harness.identify.estimate.forecast import forecast
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import record_of
-from harness.identify.validation.held_out import KNOWN, parts, windows
-from tests.identify.conftest import Posed
+from harness.identify.problem.windows import KNOWN, folds, horizon_spans
+from tests.posed import Posed
 
 
 def test_a_forecast_follows_the_truth_within_its_band(plain: Posed) -> None:
@@ -23,8 +23,8 @@ def test_a_forecast_follows_the_truth_within_its_band(plain: Posed) -> None:
     assert np.count_nonzero(blank) > 1400
     made = forecast(problem, fit(problem, Hypothesis(())), record, record.reading)
     error = np.abs(made.position - plain.truth[2].noiseless)[blank]
-    # The angle's error is not white: standard deviations come out too small by INFLATION. Three of the larger ones.
-    assert np.all(error < 3.0 * INFLATION * made.deviation[blank])
+    # The angle's error is not white: standard deviations come out too small by the inflation. Three of the larger ones.
+    assert np.all(error < 3.0 * problem.settings.inflation * made.deviation[blank])
     # Without new readings doubt can only grow from the known part to the end, and stays below a tenth of the travel.
     assert made.deviation[blank][-1] > made.deviation[~blank][-1]
     assert made.deviation.max() < 0.1 * np.ptp(plain.truth[2].noiseless)
@@ -33,7 +33,7 @@ def test_a_forecast_follows_the_truth_within_its_band(plain: Posed) -> None:
 def test_windows_tile_what_is_predicted() -> None:
     """Cut the time after the known part into windows that join and end within the recording."""
     time = np.arange(0.0, 16.005, 0.01)
-    found = windows(time)
+    found = horizon_spans(time)
     assert found[-1] == ("whole", KNOWN, time[-1] + 1.0)
     for name in {name for name, *_ in found[:-1]}:
         each = [(first, last) for other, first, last in found if other == name]
@@ -59,7 +59,8 @@ def test_a_single_recording_is_split_where_half_is_known(plain: Posed) -> None:
     """Leave half of the positions in either part, also where none is known after the first seconds."""
     (one, *_) = plain.problem.records
     blank = replace(one, reading=np.where(one.time < one.time[0] + 3.0, one.reading, np.nan))
-    ((first,), (second,)), _ = parts(replace(plain.problem, records=(blank,)))
+    fold, _ = folds(replace(plain.problem, records=(blank,)))
+    (first,), (second,) = fold.problem.records, fold.left
     known = [int(np.isfinite(each.reading).sum()) for each in (first, second)]
     assert 0 <= known[1] - known[0] <= 1
     np.testing.assert_array_equal(np.concatenate((first.time, second.time)), one.time)

@@ -15,10 +15,10 @@ from harness.identify.filter.ekf import SPIKE, _general, _plain, penalty
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import explained
+from harness.identify.selection.criterion import Criterion
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
-from tests.identify.conftest import Posed, pose
+from tests.posed import Posed, pose
 
 NAMES = ("miss", "spread", "state", "doubt")
 
@@ -95,11 +95,11 @@ def test_process_noise_is_what_the_angle_leaves(tmp_path: Path, seed: int) -> No
     found = fit(problem, Hypothesis(()))
     # The angle's error is not white as the filter takes it to be; what the search relies on is a factor of 3 upwards.
     # Downwards the same factor holds: less would mean that the noise of the reading has swallowed the angle's.
-    assert explained(problem, found)
+    assert Criterion().explained(problem, found)
     assert found.root_density > problem.angle_floor / 3.0
     # A model that lacks something has far more: here a beam that is 0.2° off its level.
     level = Problem(problem.records, problem.rig.with_(level_angle=0.003), problem.declared, problem.noise)
-    assert not explained(level, fit(level, Hypothesis(())))
+    assert not Criterion().explained(level, fit(level, Hypothesis(())))
 
 
 @pytest.mark.parametrize(
@@ -128,4 +128,4 @@ def test_a_ball_that_rests_in_the_filter_may_roll_in_truth(
     problem, _ = problem_of(load_case(tmp_path / "case"))
     # The factor of 3 of what counts as explained. By infinitesimal slopes the filter is certain that its ball rests,
     # and can follow one that rolls on only with 52 and 30 times the floor.
-    assert explained(problem, fit(problem, Hypothesis(tuple(hidden))))
+    assert Criterion().explained(problem, fit(problem, Hypothesis(tuple(hidden))))

@@ -1,63 +1,76 @@
-"""The ledger as a record: hashes that pin what was done, and a replay that does it again."""
+"""The ledger as a record: hashes that pin what was done, and a replay that decides it again."""
 
 from __future__ import annotations
 
 import copy
 import json
-import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.identify.estimate.fit import fit
-from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.settings import Settings
 from harness.identify.record import LedgerRecord, SourcesRecord
-from harness.identify.selection.candidates import Entry
-from harness.identify.selection.ledger import ledger_record
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger_record import digest, ledger_record
 from harness.identify.selection.replay import replay
-from harness.identify.selection.stepwise import select
-from tests.identify.conftest import pose
+from harness.identify.selection.search import Selection, search
+from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
 INPUTS = SourcesRecord(hashes={"rec_01.csv": "0123"}, versions={"numpy": "2.0"})
 
 
 @pytest.fixture(scope="module")
-def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, list[Entry]]:
-    """A search that finds two effects, and so keeps, exchanges and drops some."""
+def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Selection]:
+    """A search that finds two effects, and so keeps, swaps and drops some."""
     problem = pose(tmp_path_factory.mktemp("two") / "case", 0, HIDDEN).problem
-    return problem, select(problem, fit(problem, Hypothesis(())))[1]
+    return problem, search(problem)
 
 
 @pytest.fixture(scope="module")
-def kept(searched: tuple[Problem, list[Entry]]) -> dict[str, Any]:
+def kept(searched: tuple[Problem, Selection]) -> dict[str, Any]:
     """Its record, through JSON and back."""
-    problem, ledger = searched
-    return json.loads(ledger_record(problem, fit(problem, Hypothesis(())), ledger, INPUTS).model_dump_json())
+    return json.loads(ledger_record(*searched, INPUTS).model_dump_json())
 
 
-def test_every_attempt_has_its_reference(searched: tuple[Problem, list[Entry]]) -> None:
-    """Keep with each attempt the fit without what was tried, behind it by exactly the gain."""
-    for entry in searched[1]:
-        assert set(entry.beside) <= {*entry.against.hypothesis.names, *entry.fit.hypothesis.names}
-        assert entry.against.score - entry.fit.score == pytest.approx(entry.gain, abs=1e-6)
+def test_every_line_is_decided_by_the_criterion(searched: tuple[Problem, Selection]) -> None:
+    """Come to every decision, gain and reason from the line's own fits and evidence."""
+    problem, selection = searched
+    criterion = Criterion(problem.settings)
+    for line in selection.ledger:
+        assert criterion.decide(line.rule, line.fit, line.against, line.evidence) == line.decision
+        assert set(line.beside) <= set(line.against.hypothesis.names) & set(line.fit.hypothesis.names)
+        assert not set(line.beside) & set(line.effects)
 
 
-def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, list[Entry]], kept: dict[str, Any]) -> None:
-    """Find every hash, deviance and decision again; on one machine to the bit."""
+def test_the_search_adds_drops_and_swaps(searched: tuple[Problem, Selection]) -> None:
+    """Hold each of two effects against none and against all others, and find both."""
+    selection = searched[1]
+    assert {Rule.ADD, Rule.DROP, Rule.SWAP} <= {line.rule for line in selection.ledger}
+    assert set(selection.found.hypothesis.names) == set(HIDDEN)
+
+
+def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, Selection], kept: dict[str, Any]) -> None:
+    """Find every hash, deviance and decision again."""
     done = replay(LedgerRecord.model_validate(kept), searched[0])
     assert done.mismatches == ()
+    # the same code on the same processor sums the same terms in the same order
     assert done.largest == 0.0
-    assert done.attempts == len(searched[1])
+    assert done.attempts == len(searched[1].ledger)
 
 
-def _number(record: dict[str, Any]) -> str:
+def rehashed(line: dict[str, Any]) -> None:
+    """Give a line the hash of its content, as who forges it well would."""
+    line["hash"] = digest({key: value for key, value in line.items() if key != "hash"})
+
+
+def _parameter(record: dict[str, Any]) -> str:
     """Another coefficient of the first attempt."""
-    one = record["fits"][record["ledger"][0]["fit"]]
-    one["numbers"][0] += 0.05
+    record["fits"][record["ledger"][0]["fit"]]["parameters"][0] += 0.05
     return "deviance"
 
 
@@ -65,13 +78,21 @@ def _decision(record: dict[str, Any]) -> str:
     """Something else is kept."""
     line = next(line for line in record["ledger"] if not line["kept"])
     line["kept"] = True
+    rehashed(line)
     return "not kept, recorded as kept"
 
 
 def _gain(record: dict[str, Any]) -> str:
     """A rival's gain is talked down."""
     record["ledger"][1]["gain"] -= 1.0
+    rehashed(record["ledger"][1])
     return "gain"
+
+
+def _hash(record: dict[str, Any]) -> str:
+    """The reason is another one."""
+    record["ledger"][1]["because"] = "nobody knows"
+    return "does not give its hash"
 
 
 def _mass(record: dict[str, Any]) -> str:
@@ -80,22 +101,39 @@ def _mass(record: dict[str, Any]) -> str:
     return "rig is"
 
 
+def _threshold(record: dict[str, Any]) -> str:
+    """Another threshold is claimed."""
+    record["problem"]["settings"]["keep"] = 1.0
+    return "settings is"
+
+
 def _version(record: dict[str, Any]) -> str:
     """Other software is claimed."""
     record["problem"]["inputs"]["versions"]["numpy"] = "1.0"
     return "does not give its hash"
 
 
-@pytest.mark.parametrize("forge", [_number, _decision, _gain, _mass, _version])
+@pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _hash, _mass, _threshold, _version])
 def test_what_was_changed_is_named(
-    searched: tuple[Problem, list[Entry]], kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
+    searched: tuple[Problem, Selection], kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
 ) -> None:
-    """Name what no longer comes out, and the hash that no longer fits."""
+    """Name what no longer comes out, or the hash that no longer fits."""
     record = copy.deepcopy(kept)
     text = forge(record)
     said = [one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches]
     assert any(text in one for one in said), said
-    assert any("does not give its hash" in one for one in said), said
+
+
+@pytest.mark.parametrize("rule", [Rule.ADD, Rule.DROP, Rule.SWAP])
+def test_every_kind_of_decision_is_decided_anew(
+    searched: tuple[Problem, Selection], kept: dict[str, Any], rule: Rule
+) -> None:
+    """Notice of each rule that a decision was turned round, hashes and all."""
+    record = copy.deepcopy(kept)
+    line = next(line for line in record["ledger"] if line["rule"] == rule)
+    line["kept"] = not line["kept"]
+    rehashed(line)
+    assert any("recorded as" in one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches)
 
 
 def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
@@ -105,19 +143,12 @@ def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, A
     assert sum("deviance" in one for one in said) == len(kept["fits"])
 
 
-def test_a_search_that_began_again_replays(
-    searched: tuple[Problem, list[Entry]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Find the decisions again of a search that tried a runner-up as well, and held both ends against each other."""
-    problem = searched[0]
-    base = fit(problem, Hypothesis(()))
-    for name, value in (
-        ("explained", lambda *_: False),
-        ("_SHARE", 0.0),
-        ("_NEARLY", math.inf),
-    ):  # as if much were left
-        monkeypatch.setattr(f"harness.identify.selection.stepwise.{name}", value)
-    _, ledger = select(problem, base)
-    assert {"again", "either"} <= {entry.rule for entry in ledger}
-    record = ledger_record(problem, base, ledger, INPUTS)
+def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) -> None:
+    """Decide again a search that tried a runner-up as well, and held both ends against each other."""
+    # as if much were left: nothing counts as explained, any runner-up may begin, and spline terms never pay
+    never = Settings(explained_ratio=0.0, restart_share=0.0, restart_slack=1e9, spline_keep=1e9)
+    problem = replace(searched[0], settings=never)
+    selection = search(problem)
+    assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}
+    record = ledger_record(problem, selection, INPUTS)
     assert replay(record, problem).mismatches == ()

@@ -13,9 +13,11 @@ from analytic.models import CAM, MOST_NODES, ORIGIN, RESPONSE, SHAPE, SLOTS, WEI
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.spline_term import KINDS, NODES, Depends, Shape, blank
-from tests.identify.conftest import Posed
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
+from tests.posed import Posed
 
+NODES = DEFAULT.spline_nodes
 BENT = Shape(Depends.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES)))
 ROUND = replace(blank(Depends.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
 

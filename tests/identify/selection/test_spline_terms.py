@@ -1,4 +1,4 @@
-"""A curve of unknown law has to act again: twelve numbers can follow what happened once."""
+"""A spline term of unknown law has to act again: a dozen parameters can follow what happened once."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import Depends, blank, visited
-from harness.identify.selection.spline_terms import CURVE_THRESHOLD, _recurs, remainder
-from harness.identify.verdict import Verdict, search
+from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.ledger import Ledger
+from harness.identify.selection.spline_terms import held_out_deviances, with_spline_term
+from harness.identify.verdict import Verdict, identify
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
-from tests.identify.conftest import DECLARED, pose
+from tests.posed import DECLARED, pose
 
 # So strong that half of it in either recording pays for a curve when it blew in one of them.
 GUST = {"gust": {"force": 0.02, "start": 5.0, "end": 8.0}}
@@ -40,13 +43,20 @@ def with_and_without(problem: Problem) -> tuple[Fit, Fit]:
     return found, fit(problem, Hypothesis((), curve), density=found.density)
 
 
+def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
+    """Whether the criterion keeps the spline term by what it predicts of held-out recordings."""
+    before, after = held_out_deviances(problem, found, best, lambda _: None)
+    evidence = Evidence(winner=best, before=before, after=after)
+    return Criterion().decide(Rule.SPLINE, best, found, evidence).kept
+
+
 @pytest.mark.parametrize("both", [True, False], ids=["in both", "in one"])
 def test_a_gust_is_a_curve_of_time_only_if_it_comes_again(tmp_path: Path, both: bool) -> None:
     """Let a curve of time stand that predicts a recording it was not fitted to, and no other, much as it gains."""
     problem = blown(tmp_path / "case", both=both)
     found, best = with_and_without(problem)
-    assert found.bic - best.bic > CURVE_THRESHOLD  # it follows what happened in either case
-    assert _recurs(problem, found, best, lambda _: None) is both
+    assert Criterion().gain(best, found) > DEFAULT.spline_keep  # it follows what happened in either case
+    assert recurs(problem, found, best) is both
 
 
 def test_one_recording_cannot_tell(tmp_path: Path) -> None:
@@ -54,8 +64,8 @@ def test_one_recording_cannot_tell(tmp_path: Path) -> None:
     problem = blown(tmp_path / "case", both=False)
     alone = replace(problem, records=problem.records[:1])
     found, best = with_and_without(alone)
-    assert found.bic - best.bic > CURVE_THRESHOLD
-    assert _recurs(alone, found, best, lambda _: None)
+    assert Criterion().gain(best, found) > DEFAULT.spline_keep
+    assert recurs(alone, found, best)
 
 
 def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) -> None:
@@ -87,10 +97,10 @@ def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_curve(
     tmp_path: Path, name: str, values: dict[str, float], depends: Depends, friction: bool
 ) -> None:
     """Name no effect beside the curve of what acts, however the ball lay at the start of each recording."""
-    said = search(pose(tmp_path / "case", 3, unlisted={name: values}).problem)
+    said = identify(pose(tmp_path / "case", 3, unlisted={name: values}).problem)
     shape = said.found.best.shape
     assert said.verdict is Verdict.UNLISTED
-    assert not said.findings
+    assert not said.effects
     assert shape is not None
     assert (shape.depends, shape.friction) == (depends, friction)
     assert said.found.root_density < 0.1 * said.base.root_density
@@ -101,7 +111,7 @@ def test_a_single_gust_leaves_a_reason_in_the_ledger(tmp_path: Path) -> None:
     """Keep the fit without a curve of time, and say why the best curve was not kept."""
     problem = blown(tmp_path / "case", both=False)
     found = fit(problem, Hypothesis(()))
-    kept, ledger = remainder(problem, found, lambda _: None)
-    assert kept is found
-    assert not any(entry.kept for entry in ledger)
-    assert "does not predict the others" in ledger[0].because
+    ledger = Ledger(Criterion())
+    assert with_spline_term(problem, found, ledger, lambda _: None) is found
+    assert not any(line.kept for line in ledger.lines)
+    assert "does not predict the others" in ledger.lines[0].because

@@ -1,4 +1,4 @@
-"""Yardsticks: they find what they can know, and see no more of a window than its beginning."""
+"""Baselines: they find what they can know, and see no more of a window than its beginning."""
 
 from __future__ import annotations
 
@@ -14,20 +14,17 @@ from scipy.signal import lfilter
 from analytic.rig import Rig
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Record
+from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
 from harness.identify.validation.baselines import (
-    AHEAD,
     DoubleIntegrator,
     OutputError,
-    Window,
     fit_double_integrator,
     fit_output_error,
-    windows_of,
 )
-from harness.identify.validation.held_out import KNOWN
 from harness.recording import load_case
 from harness.signals.drive import make_drive
 from harness.simulator import Experiment, write_case
-from tests.identify.conftest import Posed
+from tests.posed import Posed
 
 STEP = 0.02  # [s]
 
@@ -104,7 +101,7 @@ def test_the_black_box_finds_a_system_of_order_two(beam: Record, poles: tuple[fl
     assert isinstance(found.law, OutputError)
     assert found.law.poles == pytest.approx(poles, rel=1e-4, abs=1e-4)
     np.testing.assert_allclose(found.gains[:3], B, rtol=1e-2)
-    assert all(one.miss(found.predict(one)) < 1e-4 * np.ptp(one.reading) for one in ahead)
+    assert all(one.rms_error(found.predict(one)) < 1e-4 * np.ptp(one.reading) for one in ahead)
 
 
 def test_the_chart_of_poles_is_that_of_sampled_differential_equations() -> None:

@@ -12,10 +12,11 @@ from analytic.effects import Acting, acting
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import KINDS, NODES, Depends, Shape, blank
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
 from harness.identify.validation.engine_errors import engine_errors, entries
-from harness.identify.validation.held_out import Split, errors
-from tests.identify.conftest import Posed
+from harness.identify.validation.held_out import HeldOut, errors
+from tests.posed import Posed
 
 SECONDS = 6.0
 
@@ -50,7 +51,7 @@ def curve(problem: Problem, depends: Depends, friction: bool) -> Shape:
         Depends.ROLL_ANGLE: (0.0, 2.0 * np.pi),
         Depends.TIME: (0.0, SECONDS),
     }[depends]
-    nodes = np.sin(np.arange(NODES)) * (0.004 if friction else 0.02)
+    nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if friction else 0.02)
     return replace(blank(depends, friction, float(low), float(high)), nodes=nodes)
 
 
@@ -64,7 +65,7 @@ def agree(problem: Problem, base: Fit, found: Fit) -> None:
     cam = errors(problem, found, problem.records).rms
     plain = errors(problem, base, problem.records).rms
     assert cam["whole"] > 3.0 * plain["whole"], "the effect must be felt for this to say anything"
-    for name, run in engine_errors(Split(problem, base, found, problem.records)).items():
+    for name, run in engine_errors(HeldOut(problem, base, found, problem.records)).items():
         assert set(run["after"]["rms_m"]) == set(cam)
         for horizon, value in cam.items():
             assert run["after"]["rms_m"][horizon] == pytest.approx(value, rel=1e-2, abs=2e-5), (name, horizon)
@@ -105,7 +106,7 @@ def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends
 def test_an_engine_that_fails_says_so(short: Problem, base: Fit) -> None:
     """Put the message in place of the figures where the ball leaves the rails."""
     found = supposed(base, [acting("angle_gain", {"gain": 10.0})])
-    for run in engine_errors(Split(short, base, found, short.records)).values():
+    for run in engine_errors(HeldOut(short, base, found, short.records)).values():
         assert run["after"]["rms_m"] == {}
         assert "failed at t" in run["after"]["failed"]
         assert run["before"]["rms_m"]

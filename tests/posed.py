@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import pytest
-
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import Case, load_case
@@ -41,9 +39,3 @@ def pose(
     truth = write_case(folder, experiment)
     case = load_case(folder)
     return Posed(case, problem_of(case)[0], tuple(truth))
-
-
-@pytest.fixture(scope="session")
-def plain(tmp_path_factory: pytest.TempPathFactory) -> Posed:
-    """Nothing is hidden; a third recording is to be predicted."""
-    return pose(tmp_path_factory.mktemp("plain") / "case", 0, predict=1)
