@@ -136,7 +136,7 @@ def compare(
     recording: str | None = None,
     engines: Sequence[str] = (),
     settings: Mapping[str, Mapping[str, Any]] | None = None,
-    start: State | None = None,
+    start: State | tuple[float, float] | None = None,
     level_angle: float | Literal["estimate"] | None = None,
     windows: Sequence[float] = (),
     tube: float = 0.010,
@@ -155,7 +155,7 @@ def compare(
         recording: which one of the case; the first to identify from if none is named.
         engines: `mujoco`, `pybullet`, `dart`; the first two, and those with settings, if none is named.
         settings: contact parameters by engine, as in `{"mujoco": {"friction": 0.3}}`.
-        start: of the ball at the first stamp; estimated if none is given.
+        start: of the ball at the first stamp, position [m] and velocity [m/s]; estimated if none is given.
         level_angle: α₀ [rad], or "estimate"; as rig.toml says if none is given.
         windows: lengths of the windows [s]; 1, 2 and 5 s if none is given.
         tube: half width of the tolerance tube [m].
@@ -175,6 +175,7 @@ def compare(
     case = case_of(case)
     with beside_catalogue(effects), shown(progress) as tell:
         tell("models and engines", share=0.0)
+        from analytic.motion import State
         from harness.comparison import Choices, prepare, study
         from harness.tolerances import check as held_to
         from harness.tolerances import tolerances_for
@@ -187,7 +188,7 @@ def compare(
                 limits = limits.without(set(limits.engines) - set(engines))
         choices = Choices(
             recording=recording,
-            start=start,
+            start=State(*start) if isinstance(start, tuple) else start,
             level_angle=level_angle,
             lengths=tuple(windows) or Choices.lengths,
             tolerance=tube,
