@@ -82,6 +82,14 @@ scenes: $(INSTALLED) ## write mjcf/*.xml and urdf/*.urdf anew
 recording: $(INSTALLED) ## simulate the bundled recording anew
 	$(BIN)/python -m harness.simulator.bundled
 
+.PHONY: schema
+schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
+	$(BIN)/python -m harness.identify.record
+
+.PHONY: docs
+docs: $(INSTALLED) ## write docs/api.md from the docstrings
+	$(BIN)/python docs/make_api.py
+
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
 	$(BIN)/python -m harness.benchmark --jobs $(JOBS) $(ARGS)

@@ -1,1 +1,78 @@
-"""Cross-validation of ball-and-beam models and engines against recordings."""
+"""Cross-validation of ball-and-beam models and engines against recordings.
+
+    import harness
+
+    case = harness.load_case("my_rig/")
+    comparison = harness.compare(case)
+    diagnosis = harness.diagnose(case, progress=True)
+    prediction = diagnosis.predict("swing_07.csv")
+
+The names below are imported when they are first used: `import harness` itself takes no time.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from analytic.effects import Acting, Effect, Force, Parameter
+    from harness.api.case import Case, load_case
+    from harness.api.comparison import Comparison, compare
+    from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.replay import Replayed, replay
+    from harness.api.saved import LoadedDiagnosis, load_diagnosis
+    from harness.errors import EngineFailure, HarnessError, InputError
+
+_MODULES = {
+    "load_case": "harness.api.case",
+    "Case": "harness.api.case",
+    "compare": "harness.api.comparison",
+    "Comparison": "harness.api.comparison",
+    "diagnose": "harness.api.diagnosis",
+    "Diagnosis": "harness.api.diagnosis",
+    "load_diagnosis": "harness.api.saved",
+    "LoadedDiagnosis": "harness.api.saved",
+    "replay": "harness.api.replay",
+    "Replayed": "harness.api.replay",
+    "Effect": "analytic.effects",
+    "Parameter": "analytic.effects",
+    "Force": "analytic.effects",
+    "Acting": "analytic.effects",
+    "HarnessError": "harness.errors",
+    "InputError": "harness.errors",
+    "EngineFailure": "harness.errors",
+}
+
+__all__ = [
+    "Acting",
+    "Case",
+    "Comparison",
+    "Diagnosis",
+    "Effect",
+    "EngineFailure",
+    "Force",
+    "HarnessError",
+    "InputError",
+    "LoadedDiagnosis",
+    "Parameter",
+    "Replayed",
+    "compare",
+    "diagnose",
+    "load_case",
+    "load_diagnosis",
+    "replay",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """The public names, imported when they are first asked for (PEP 562)."""
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(importlib.import_module(_MODULES[name]), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names, imported or not."""
+    return sorted({*globals(), *__all__})

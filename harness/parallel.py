@@ -1,13 +1,14 @@
-"""Jobs on all cores, in processes that share what their parent has imported and computed.
+"""Jobs in several processes that share what their parent has imported and computed; only where a caller asks for it.
 
 For work that holds Python's global lock; compiled code that lets go of it needs threads only. A forked process has
-everything its parent had, while a fresh one would import for longer than most jobs last.
+everything its parent had, while a fresh one, as those of joblib are, would import engines and compiled code for longer
+than most jobs last, and would lack the effects that have joined the catalogue. Forking is not safe for every program
+(one whose threads hold locks, as a notebook's may), so the default everywhere is this process alone.
 """
 
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -25,30 +26,36 @@ Results = Callable[[], list[T]]
 _jobs: Sequence[Callable[[], Any]] = ()  # of a forked process
 
 
-def on_all_cores(jobs: Sequence[Callable[[], T]], told: Callable[[int], None] = lambda _: None) -> list[T]:
+def side_by_side(
+    jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
+) -> list[T]:
     """The results of `jobs`, in their order.
 
-    They run one after another where there is one core, where this process is itself one of several that share the work,
-    and where processes cannot be forked safely (Windows has no fork, and macOS's own libraries do not survive one).
+    They run one after another for a single one of `workers`, where this process is itself one of several that share the
+    work, and where processes cannot be forked safely (Windows has no fork, and macOS's own libraries do not survive
+    one).
 
     Args:
         jobs: functions whose results can be pickled; they need not be picklable themselves.
+        workers: how many processes may run.
         told: called with the number of jobs done, after each.
 
     Raises:
         HarnessError: a process ended in the middle of a job. What a job raises is passed on.
     """
-    with meanwhile(jobs, told) as results:
+    with meanwhile(jobs, workers, told) as results:
         return results()
 
 
 @contextmanager
-def meanwhile(jobs: Sequence[Callable[[], T]], told: Callable[[int], None] = lambda _: None) -> Iterator[Results[T]]:
-    """As `on_all_cores`, but the jobs go on while the block does; the function that it is given waits for the results.
+def meanwhile(
+    jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
+) -> Iterator[Results[T]]:
+    """As `side_by_side`, but the jobs go on while the block does; the function that it is given waits for the results.
 
     No other process may be forked within the block.
     """
-    workers = min(os.cpu_count() or 1, len(jobs))
+    workers = min(workers, len(jobs))
     if workers < 2 or sys.platform != "linux" or multiprocessing.parent_process() is not None:
         yield partial(_one_by_one, jobs, told)
         return

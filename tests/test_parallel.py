@@ -1,4 +1,4 @@
-"""Jobs on all cores: results in order, errors passed on, and nothing left to hang where a process dies."""
+"""Jobs in processes: results in order, errors passed on, and nothing left to hang where a process dies."""
 
 from __future__ import annotations
 
@@ -10,13 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from harness.errors import HarnessError, InputError
-from harness.parallel import meanwhile, on_all_cores
-
-
-@pytest.fixture(autouse=True)
-def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever the machine has."""
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+from harness.parallel import meanwhile, side_by_side
 
 
 def late(value: int) -> Callable[[], int]:
@@ -27,21 +21,26 @@ def late(value: int) -> Callable[[], int]:
 def test_results_come_in_the_order_of_jobs() -> None:
     """Sort by job, not by when each was done, and count what is done."""
     told: list[int] = []
-    assert on_all_cores([late(value) for value in range(4)], told.append) == [0, 1, 2, 3]
+    assert side_by_side([late(value) for value in range(4)], 2, told.append) == [0, 1, 2, 3]
     assert told == [1, 2, 3, 4]
 
 
 def test_nothing_to_do_is_done() -> None:
     """Return no results of no jobs."""
-    assert on_all_cores([]) == []
+    assert side_by_side([], 2) == []
 
 
 def test_jobs_run_beside_this_process_and_see_what_it_has() -> None:
     """Run in another process that has the parent's objects, while the parent goes on."""
     here = os.getpid()
-    with meanwhile([os.getpid, lambda: here]) as results:
+    with meanwhile([os.getpid, lambda: here], 2) as results:
         assert here not in results()[:1]
         assert results()[1] == here
+
+
+def test_one_worker_is_this_process() -> None:
+    """Start no process unless asked for more than one."""
+    assert side_by_side([os.getpid, os.getpid], 1) == [os.getpid()] * 2
 
 
 def test_an_error_of_a_job_is_passed_on() -> None:
@@ -51,26 +50,26 @@ def test_an_error_of_a_job_is_passed_on() -> None:
         raise InputError("rec_02.csv: no positions")
 
     with pytest.raises(InputError, match="rec_02"):
-        on_all_cores([late(0), bad, late(1)])
+        side_by_side([late(0), bad, late(1)], 2)
 
 
 def test_a_process_that_dies_is_told() -> None:
     """End with a message instead of waiting for ever."""
     with pytest.raises(HarnessError, match="a process ended"):
-        on_all_cores([late(0), lambda: os._exit(9)])
+        side_by_side([late(0), lambda: os._exit(9)], 2)
 
 
 def test_an_error_of_the_parent_ends_the_jobs() -> None:
     """Wait for no job that has not begun when the block fails."""
     begin = time.monotonic()
-    with pytest.raises(InputError), meanwhile([lambda: time.sleep(0.2)] * 20):
+    with pytest.raises(InputError), meanwhile([lambda: time.sleep(0.2)] * 20, 2):
         raise InputError("elsewhere")
     # Two that run and, in their queue, three more: 3 rounds of 0.2 s; all twenty take 2 s.
     assert time.monotonic() - begin < 1.5
 
 
 def _within(results: multiprocessing.SimpleQueue[bool]) -> None:
-    pids = on_all_cores([os.getpid, os.getpid])
+    pids = side_by_side([os.getpid, os.getpid], 2)
     results.put(pids == [os.getpid()] * 2)
 
 

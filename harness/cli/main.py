@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
+import shlex
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import click
 
 from analytic.motion import State
 from harness.errors import HarnessError
-
-if TYPE_CHECKING:
-    from harness.recording import Case
 
 
 class Friendly(click.Group):
@@ -46,13 +43,6 @@ def fail(error: HarnessError) -> NoReturn:
     """Say what is wrong on stderr and leave."""
     click.echo(f"error: {error}", err=True)
     sys.exit(error.exit_code)
-
-
-def _read(path: Path) -> Case:
-    """The case, before what works on it is imported: that takes seconds, and an answer to a bad input should not."""
-    from harness.recording import load_case
-
-    return load_case(path)
 
 
 class StateType(click.ParamType):
@@ -96,26 +86,13 @@ class AngleType(click.ParamType):
         return angle
 
 
-def _beside_the_catalogue(ctx: click.Context, param: click.Parameter, files: tuple[Path, ...]) -> tuple[Path, ...]:
-    """Effects of the user's own are known until the command ends."""
-    if files:
-        from harness.recording.user_effects import own_effects
-
-        ctx.with_resource(own_effects(files))
-    return files
-
-
-def effects_option(*, passed: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """`--effects FILE`, repeatable; the command is told the files if they are `passed`."""
-    return click.option(
-        "--effects",
-        multiple=True,
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        callback=_beside_the_catalogue,
-        expose_value=passed,
-        help="Python file with effects of your own, known beside the catalogue; repeatable.",
-    )
+effects_option = click.option(
+    "--effects",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Python file with effects of your own, known beside the catalogue; repeatable.",
+)
 
 
 @click.group(cls=Friendly, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -199,7 +176,7 @@ def main() -> None:
     metavar="FILE",
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
-@effects_option()
+@effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -214,12 +191,9 @@ def run(case: Path | None, **options: Any) -> None:
       harness run my_rig/ --recording swing_02.csv --set mujoco.friction=0.3
       harness run my_rig/ --level-angle estimate --check
     """
-    from harness.recording.case import BUNDLED
-
-    read = _read(case or BUNDLED)
     from harness.cli.run import run_case
 
-    sys.exit(run_case(read, **options))
+    sys.exit(run_case(case, command=shlex.join(["harness", *sys.argv[1:]]), **options))
 
 
 @main.command()
@@ -235,7 +209,7 @@ def run(case: Path | None, **options: Any) -> None:
     help="Further recording of the rig, with positions: nothing is fitted to it, errors before and after are reported "
     "for it; repeatable.",
 )
-@effects_option(passed=True)
+@effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, **options: Any) -> None:
     """Find what the model lacks: name the effect, its size and interval, and the error before and after.
@@ -250,17 +224,16 @@ def diagnose(case: Path, **options: Any) -> None:
       harness diagnose my_rig/ --effects magnet.py
       harness diagnose my_rig/ --also my_rig/swing_07.csv
     """
-    read = _read(case)
     from harness.cli.diagnose import diagnose_case
 
-    sys.exit(diagnose_case(read, **options))
+    sys.exit(diagnose_case(case, **options))
 
 
 @main.command()
 @click.argument("diagnosis", type=click.Path(path_type=Path))
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--refit", is_flag=True, help="Fit every hypothesis on from its numbers, and decide by what comes out.")
-@effects_option(passed=True)
+@effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
 def replay(diagnosis: Path, case: Path, **options: Any) -> None:
     """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
@@ -284,7 +257,7 @@ def replay(diagnosis: Path, case: Path, **options: Any) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
 )
-@effects_option()
+@effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
 def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the angle alone, with the model that a diagnosis found.

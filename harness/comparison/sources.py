@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +18,7 @@ from harness.engines.health import Health
 from harness.engines.injection import force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
-
-Progress = Callable[[str], None]
-"""Callback that receives short progress messages."""
+from harness.progress import Progress, silent
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,7 @@ def run_all(
     setting: Setting,
     models: Sequence[Model],
     engines: Iterable[tuple[Engine, EngineParameters]],
-    progress: Progress = lambda _: None,
+    progress: Progress = silent,
 ) -> list[SourceRuns]:
     """Runs every source on every horizon, models first."""
     engines = list(engines)

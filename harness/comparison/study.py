@@ -14,12 +14,18 @@ from harness.comparison.attribution import Attribution, attribute
 from harness.comparison.horizons import Horizon
 from harness.comparison.paper import Claim, Difference, Inputs, claims, differences
 from harness.comparison.setting import Setting
-from harness.comparison.sources import Progress, SourceRuns, run_all
+from harness.comparison.sources import SourceRuns, run_all
 from harness.comparison.uncertainty import displacements, uncertainty
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.metrics import RunComparison, Score, score
 from harness.numerics import rms
+from harness.progress import Progress, Stage, silent
+
+# Shares of the whole time at which stages begin and end: of the bundled recording, on two cores.
+_RUNS = (0.1, 0.4)
+_SCORES = 0.5
+_STEPS = (0.5, 0.75)
 
 
 @dataclass(frozen=True)
@@ -75,27 +81,29 @@ class Study:
 def study(
     setting: Setting,
     engines: Sequence[tuple[Engine, EngineParameters]],
-    progress: Progress = lambda _: None,
+    progress: Progress = silent,
 ) -> Study:
     """Runs and scores all sources; engine failures are part of the result and not raised."""
-    runs = run_all(setting, list(MODELS.values()), engines, progress)
-    progress("uncertainty of start and angle")
+    every = len(setting.horizons) * (len(engines) + 1)
+    runs = run_all(setting, list(MODELS.values()), engines, Stage(progress, *_RUNS, every))
+    progress("uncertainty of start and angle", share=_RUNS[1])
     displaced = displacements(setting)
     u_val = [uncertainty(setting, one) for one in displaced]
     headline = headline_of(setting, u_val)
     u_val_by_horizon = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
     inputs = Inputs(u_val_by_horizon[headline.name], displaced[setting.horizons.index(headline)])
-    progress("scores")
+    progress("scores", share=_SCORES)
     scores = [_score(setting, run, u_val_by_horizon[run.horizon.name]) for run in runs]
     whole = setting.horizons[0]
     by_name = {run.source: run for run in runs if run.horizon is whole}
     attributions = []
-    for engine, parameters in engines:
-        progress(f"{engine.name}, other steps")
+    for number, (engine, parameters) in enumerate(engines):
+        done = number / len(engines)
+        progress(f"{engine.name}, other steps", share=_STEPS[0] + done * (_STEPS[1] - _STEPS[0]))
         one = attribute(setting, engine, parameters, by_name[engine.name], by_name[CAM.name])
         if one is not None:
             attributions.append(one)
-    progress("ablation")
+    progress("ablation", share=_STEPS[1])
     combinations = ablate(setting, headline)
     return Study(
         setting=setting,

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,27 +13,34 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
 from harness.identify.problem.spline_term import Shape
+from harness.identify.record import ModelRecord, RigRecord, SensorsRecord
+from harness.identify.selection.ledger_record import declared_record
 from harness.recording import Sensors
 
 
-def model_record(problem: Problem, found: Fit, sensors: Sensors) -> dict[str, Any]:
+def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
     """Everything that a prediction needs."""
     shape = found.hypothesis.shape
-    return {
-        "rig": asdict(problem.rig),
-        "sensors": asdict(sensors),
-        "declared": [{"name": one.effect.name, "values": dict(one.values)} for one in problem.declared],
-        "effects": list(found.hypothesis.names),
-        "curve": None if shape is None else shape.record(),
-        "numbers": found.numbers.tolist(),
-        "phases": len(problem.records),
-        "covariance": found.covariance.tolist(),
-        "process_noise_m2_s3": found.density,
-        "reading_variance_m2": problem.noise,
-    }
+    return ModelRecord(
+        rig=RigRecord.model_validate(problem.rig),
+        sensors=SensorsRecord.model_validate(sensors),
+        declared=declared_record(problem),
+        effects=found.hypothesis.names,
+        spline_term=None if shape is None else shape.record(),
+        parameters=tuple(found.numbers.tolist()),
+        phases=len(problem.records),
+        covariance=tuple(map(tuple, found.covariance.tolist())),
+        process_noise_m2_s3=found.density,
+        reading_variance_m2=problem.noise,
+    )
 
 
-def read_model(kept: Mapping[str, Any], record: Record, origin: str) -> tuple[Problem, Fit]:
+def rig_of(kept: ModelRecord) -> Rig:
+    """The rig of a record."""
+    return Rig(**kept.rig.model_dump())
+
+
+def read_model(kept: ModelRecord, record: Record, origin: str) -> tuple[Problem, Fit]:
     """The problem and fit to predict `record` with.
 
     Args:
@@ -45,28 +50,28 @@ def read_model(kept: Mapping[str, Any], record: Record, origin: str) -> tuple[Pr
     Raises:
         InputError: it is not what this version writes.
     """
-    unknown = [name for name in kept.get("effects", ()) if name not in CATALOGUE]
+    unknown = [name for name in kept.effects if name not in CATALOGUE]
     if unknown:
         raise InputError(
             f"{origin}: found {unknown[0]}, which the catalogue does not have; give the file of an effect of your own "
             "with --effects"
         )
     try:
-        declared = tuple(acting(one["name"], one["values"]) for one in kept["declared"])
-        problem = Problem((record,) * kept["phases"], Rig(**kept["rig"]), declared, kept["reading_variance_m2"])
-        hypothesis = Hypothesis(tuple(kept["effects"]), kept["curve"] and Shape.of(kept["curve"]))
-        numbers = np.array(kept["numbers"], dtype=float)
-        covariance = np.array(kept["covariance"], dtype=float).reshape(len(numbers), len(numbers))
+        declared = tuple(acting(one.name, one.values) for one in kept.declared)
+        problem = Problem((record,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
+        hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else Shape.of(kept.spline_term))
+        numbers = np.array(kept.parameters, dtype=float)
+        covariance = np.array(kept.covariance, dtype=float).reshape(len(numbers), len(numbers))
         found = Fit(
             hypothesis,
             numbers,
             hypothesis.read(numbers, problem),
-            kept["process_noise_m2_s3"],
+            kept.process_noise_m2_s3,
             np.nan,
             covariance,
             problem.readings,
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (IndexError, ValueError) as error:
         raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error
     # The kept phases are those of other recordings: this one's is found from its own readings.
-    return replace(problem, records=(replace(record, name=""),) * kept["phases"]), found
+    return replace(problem, records=(replace(record, name=""),) * kept.phases), found

@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from analytic.motion import FloatArray
 
@@ -55,7 +54,7 @@ def _spikes_of_part(
     around = np.abs(_residual(time, position, -half, stride))
     before = np.abs(_residual(time, position, 1 - WINDOW, stride))
     after = np.abs(_residual(time, position, 0, stride))
-    local = median_filter(around, size=min(SCALE_WINDOW, len(around)), mode="mirror")
+    local = _running_median(around, min(SCALE_WINDOW, len(around)))
     scale = MAD_TO_SIGMA * np.maximum(local, np.median(around))
     # The path deviates from a line by at most a T²/2 within half a window.
     bend = 0.5 * acceleration * (half * stride * step) ** 2
@@ -63,6 +62,15 @@ def _spikes_of_part(
     # The lines before and after only exclude kinks and steps, for which half the threshold (three sigma) is enough.
     spike: NDArray[np.bool_] = (around > threshold) & (np.minimum(before, after) > 0.5 * threshold)
     return spike
+
+
+def _running_median(values: FloatArray, size: int) -> FloatArray:
+    """The median of `size` samples around each, mirrored at the ends (as scipy.ndimage, slow to import, has it)."""
+    middle = size // 2
+    padded = np.pad(values, (middle, size - 1 - middle), mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, size)
+    parts = [windows[begin : begin + CHUNK] for begin in range(0, len(values), CHUNK)]
+    return np.concatenate([np.partition(part, middle, axis=1)[:, middle] for part in parts])
 
 
 def _residual(time: FloatArray, position: FloatArray, first: int, stride: int) -> FloatArray:

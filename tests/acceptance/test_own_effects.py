@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.cli.diagnose import input_hashes
+from harness.api.diagnosis import input_hashes
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
 from tests.acceptance.conftest import Harness

@@ -8,24 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.outputs import to_json
-from harness.identify.estimate.fit import fit
-from harness.identify.model_file import model_record
-from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of
-from harness.recording import load_case
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
+from tests.api.made import nothing_missing
 
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A case with the diagnosis.json of a model that nothing was missing from."""
     folder = write_short_case(tmp_path_factory.mktemp("predict") / "case")
-    read = load_case(folder)
-    problem, _ = problem_of(read)
-    model = model_record(problem, fit(problem, Hypothesis(())), read.sensors)
-    (folder / "diagnosis.json").write_text(to_json({"model": model}), encoding="utf-8")
+    (folder / "diagnosis.json").write_text(nothing_missing(folder).text(), encoding="utf-8")
     return folder
 
 

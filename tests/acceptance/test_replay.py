@@ -70,4 +70,4 @@ def test_what_is_no_diagnosis_is_refused(harness: Harness, tmp_path: Path) -> No
     (tmp_path / "diagnosis.json").write_text('{"schema": 1, "ledger": []}', encoding="utf-8")
     done = harness("replay", tmp_path, tmp_path)
     assert done.code == 2
-    assert "no ledger with hashes" in done.err
+    assert "is no diagnosis that this version can use" in done.err

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.cli.diagnose import as_record, input_hashes
+from harness.api.assemble import diagnosis_record
+from harness.api.diagnosis import input_hashes
 from harness.comparison.setting import ball_of
 from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
@@ -82,7 +83,7 @@ def diagnosis(case):
 @pytest.fixture(scope="module")
 def record(diagnosis, case):
     """What is written to diagnosis.json."""
-    return as_record(diagnosis, case, 1.0, input_hashes(case))
+    return diagnosis_record(diagnosis, case, 1.0, input_hashes(case))
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +147,7 @@ def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
     rows = re.findall(r'<tr class="(\w*)">.*?</tr>', table)
     assert rows == ["best" if one.kept else "" for one in diagnosis.ledger]
     assert all(one.because in table for one in diagnosis.ledger)
-    hashes = [line["hash"] for line in record["ledger"]]
+    hashes = [line.hash for line in record.ledger]
     assert all(f"<code>{one[:8]}</code>" in table for one in hashes)
 
 
@@ -191,7 +192,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
 def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
     none = replace(diagnosis, verdict=Verdict.NONE, effects=(), found=diagnosis.base, heldout=diagnosis.heldout)
-    page = render_diagnosis(none, as_record(none, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(none, diagnosis_record(none, case, 1.0, input_hashes(case)), case)
     assert "No missing effect was found" in page
     assert "Effects found (" not in page
     assert 'id="rivals"' not in page
@@ -212,7 +213,7 @@ def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
     )
     ledger = (*diagnosis.ledger, *tried)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=ledger)
-    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "the nearest is spline of angle," in page
 
 
@@ -222,7 +223,7 @@ def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
     entry = line(Rule.SPLINE, (), found, diagnosis.base, kept=True)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))
-    page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
+    page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the spline term") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(curve.nodes)

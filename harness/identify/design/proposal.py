@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from analytic.motion import FloatArray
 from harness.identify.design.excitation import Profile, Room
@@ -75,25 +74,6 @@ class Proposal:
     def table(self) -> dict[str, FloatArray]:
         """`time_s, beam_angle_rad`, and the `ball_position_m` to be expected."""
         return {"time_s": self.time, "beam_angle_rad": self.angle, "ball_position_m": self.reading}
-
-    def record(self) -> dict[str, Any]:
-        """As in diagnosis.json."""
-        return {
-            "profile": self.profile.name,
-            "does": self.profile.words,
-            "sentence": sentence(self),
-            "file": FILE,
-            "duration_s": float(self.time[-1]),
-            "separations": [asdict(one) | {"told": one.told} for one in self.separations],
-            "tried": dict(self.tried),
-            "open_loop_drift_m": self.drift,
-            "limits": {
-                "ball_position_m": [self.room.low, self.room.high],
-                "beam_angle_rad": self.room.angle,
-                "beam_rate_rad_s": self.room.rate,
-                "beam_acceleration_rad_s2": self.room.acceleration,
-            },
-        }
 
     @property
     def smallest(self) -> Separation:

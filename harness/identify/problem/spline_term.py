@@ -8,10 +8,9 @@ of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from analytic.law import (
 from analytic.models import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP, SLOTS
 from analytic.motion import FloatArray
 from harness.identify.problem.settings import DEFAULT
+from harness.identify.record import SplineTermRecord
 
 if TYPE_CHECKING:
     from harness.identify.problem.problem import Problem
@@ -133,27 +133,22 @@ class Shape:
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
 
-    def record(self) -> dict[str, Any]:
-        """What it is but for the values of its nodes, for JSON."""
-        return {
-            "depends": str(self.depends),
-            "friction": self.friction,
-            "low": self.low,
-            "step": self.step,
-            "nodes": len(self.nodes),
-        }
+    def record(self) -> SplineTermRecord:
+        """What it is but for the values of its nodes."""
+        return SplineTermRecord(
+            depends=self.depends.value, friction=self.friction, low=self.low, step=self.step, nodes=len(self.nodes)
+        )
 
     @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Self:
+    def of(cls, record: SplineTermRecord) -> Self:
         """The curve of a `record`, nothing yet.
 
         Raises:
-            KeyError, TypeError, ValueError: it is none.
+            ValueError: it has more nodes than a curve can have, or fewer.
         """
-        count = int(record["nodes"])
-        if not 2 <= count <= MOST_NODES:
-            raise ValueError(f"a curve of {count} nodes")
-        return cls(Depends(record["depends"]), record["friction"], record["low"], record["step"], np.zeros(count))
+        if not 2 <= record.nodes <= MOST_NODES:
+            raise ValueError(f"a curve of {record.nodes} nodes")
+        return cls(Depends(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
 
 
 def blank(depends: Depends, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> Shape:

@@ -9,13 +9,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
+from harness.identify.record import (
+    ActingRecord,
+    EvidenceRecord,
+    FitRecord,
+    FittedEffect,
+    LedgerLine,
+    LedgerRecord,
+    ProblemRecord,
+    RigRecord,
+    SourcesRecord,
+)
 from harness.identify.selection.criterion import Criterion, Evidence
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection
@@ -29,39 +39,49 @@ def digest(value: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
 
 
-def problem_record(problem: Problem, inputs: Mapping[str, Any]) -> dict[str, Any]:
+def hashed(part: ProblemRecord | LedgerLine) -> str:
+    """The hash of a part of the record, over all of it but the hash itself."""
+    return digest(part.model_dump(mode="json", exclude={"hash"}))
+
+
+def declared_record(problem: Problem) -> tuple[ActingRecord, ...]:
+    """The known effects."""
+    return tuple(ActingRecord(name=one.effect.name, values=dict(one.values)) for one in problem.declared)
+
+
+def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
     """What determines every fit and decision; `inputs` are hashes of files and versions of software."""
-    return {
-        "inputs": dict(inputs),
-        "recordings": [one.name for one in problem.records],
-        "readings": problem.readings,
-        "reading_variance_m2": problem.noise,
-        "baseline": problem.model.name,
-        "rig": asdict(problem.rig),
-        "declared": [{"name": one.effect.name, "values": dict(one.values)} for one in problem.declared],
-        "settings": asdict(problem.settings),
-    }
+    record = ProblemRecord(
+        inputs=inputs,
+        recordings=tuple(one.name for one in problem.records),
+        readings=problem.readings,
+        reading_variance_m2=problem.noise,
+        baseline=problem.model.name,
+        rig=RigRecord.model_validate(problem.rig),
+        declared=declared_record(problem),
+        settings=asdict(problem.settings),
+    )
+    return record.model_copy(update={"hash": hashed(record)})
 
 
-def fit_record(one: Fit, criterion: Criterion) -> dict[str, Any]:
+def fit_record(one: Fit, criterion: Criterion) -> FitRecord:
     """A fit: its hypothesis with the law of each effect, its parameters, and how well it predicts."""
     shape = one.hypothesis.shape
-    return {
-        "effects": [{"name": effect.name, "law": effect.law} for effect in one.hypothesis.effects],
-        "spline_term": None if shape is None else shape.record(),
-        "parameters": one.numbers.tolist(),
-        "process_noise_m2_s3": one.density,
-        "deviance": finite(one.deviance),
-        "criterion": finite(criterion.value(one)),
-    }
+    return FitRecord(
+        effects=tuple(FittedEffect.model_validate(effect) for effect in one.hypothesis.effects),
+        spline_term=None if shape is None else shape.record(),
+        parameters=tuple(one.numbers.tolist()),
+        process_noise_m2_s3=one.density,
+        deviance=one.deviance,
+        criterion=criterion.value(one),
+    )
 
 
-def ledger_record(problem: Problem, selection: Selection, inputs: Mapping[str, Any]) -> dict[str, Any]:
+def ledger_record(problem: Problem, selection: Selection, inputs: SourcesRecord) -> LedgerRecord:
     """`ledger`, `fits` and `problem` of diagnosis.json; the first of the fits is the one without any effect."""
     posed = problem_record(problem, inputs)
-    posed["hash"] = digest(posed)
     criterion = Criterion(problem.settings)
-    fits: dict[str, Any] = {}
+    fits: dict[str, FitRecord] = {}
 
     def name_of(one: Fit) -> str:
         record = fit_record(one, criterion)
@@ -70,44 +90,38 @@ def ledger_record(problem: Problem, selection: Selection, inputs: Mapping[str, A
         return name
 
     name_of(selection.base)
-    lines = [_line(each, name_of) for each in selection.ledger]
-    return {"ledger": [{**line, "hash": digest(line)} for line in lines], "fits": fits, "problem": posed}
+    lines = tuple(_line(each, name_of) for each in selection.ledger)
+    return LedgerRecord(ledger=lines, fits=fits, problem=posed)
 
 
-def fit_hash(posed: Mapping[str, Any], record: Mapping[str, Any]) -> str:
+def fit_hash(posed: ProblemRecord, record: FitRecord) -> str:
     """Name of a fit among the `fits`."""
-    return digest([posed["hash"], dict(record)])
+    return digest([posed.hash, record.model_dump(mode="json")])
 
 
-def _line(one: Line, name_of: Callable[[Fit], str]) -> dict[str, Any]:
-    return {
-        "effect": one.title,
-        "tried": list(one.effects),
-        "beside": list(one.beside),
-        "gain": finite(one.gain),
-        "kept": one.kept,
-        "because": one.because,
-        "rule": str(one.rule),
-        "fit": name_of(one.fit),
-        "against": name_of(one.against),
-        "evidence": _evidence(one.evidence, name_of),
-    }
+def _line(one: Line, name_of: Callable[[Fit], str]) -> LedgerLine:
+    line = LedgerLine(
+        effect=one.title,
+        tried=one.effects,
+        beside=one.beside,
+        gain=one.gain,
+        kept=one.kept,
+        because=one.because,
+        rule=one.rule.value,
+        fit=name_of(one.fit),
+        against=name_of(one.against),
+        evidence=_evidence(one.evidence, name_of),
+    )
+    return line.model_copy(update={"hash": hashed(line)})
 
 
-def _evidence(one: Evidence, name_of: Callable[[Fit], str]) -> dict[str, Any]:
-    """What there is of it, fits by name."""
-    found = {
-        "winner": one.winner and name_of(one.winner),
-        "holder": one.holder and name_of(one.holder),
-        "without": [name_of(each) for each in one.without],
-        "before": list(one.before),
-        "after": list(one.after),
-        "tests": one.tests if one.tests > 1 else None,
-        "nested": one.nested,
-    }
-    return {key: value for key, value in found.items() if value}
-
-
-def finite(value: float) -> float | None:
-    """A number as JSON has it: nothing where it is not finite."""
-    return float(value) if math.isfinite(value) else None
+def _evidence(one: Evidence, name_of: Callable[[Fit], str]) -> EvidenceRecord:
+    return EvidenceRecord(
+        winner=one.winner and name_of(one.winner),
+        holder=one.holder and name_of(one.holder),
+        without=tuple(name_of(each) for each in one.without),
+        before=one.before,
+        after=one.after,
+        tests=one.tests,
+        nested=one.nested,
+    )

@@ -14,18 +14,17 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Shape
+from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
 from harness.identify.selection.candidates import Progress
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.cross_validation import held_out_errors
-from harness.identify.selection.ledger_record import digest, fit_hash, problem_record
+from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
 from harness.identify.selection.spline_terms import held_out_deviances
 
 # Of a deviance, evaluated at the same parameters: another processor may round some thousand terms differently, by 1e-9
 # at most; what decides is 6000 times as large.
 _TOLERANCE = 1e-3
 _RELATIVE = 1e-9  # of the problem's numbers, some of which are estimated
-
-Record = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,11 @@ class Replay:
 
 
 def replay(
-    record: Record, problem: Problem, *, refit: bool = False, progress: Callable[[str], None] = lambda _: None
+    record: LedgerRecord | DiagnosisRecord,
+    problem: Problem,
+    *,
+    refit: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Replay:
     """Replay `ledger`, `fits` and `problem` of a diagnosis.json.
 
@@ -63,23 +66,23 @@ def replay(
             comes out, instead of evaluating the fits where they are.
 
     Raises:
-        KeyError, TypeError, ValueError: the record is not what this version writes.
+        KeyError, ValueError: fits and decisions of the record do not belong together.
     """
-    posed, recorded, lines = record["problem"], record["fits"], record["ledger"]
+    posed, recorded, lines = record.problem, record.fits, record.ledger
     mismatches = [*_problem(posed, problem)]
     fits: dict[str, Fit] = {}
     largest = 0.0
     for name, one in recorded.items():
-        names = [each["name"] for each in one["effects"]]
-        title = " + ".join([*names, *(["spline term"] if one["spline_term"] else [])]) or "none"
+        names = [each.name for each in one.effects]
+        title = " + ".join([*names, *(["spline term"] if one.spline_term else [])]) or "none"
         progress(f"{title} ({len(fits) + 1} of {len(recorded)})")
         if fit_hash(posed, one) != name:
             mismatches.append(Mismatch(f"fit {name} ({title})", "its content does not give its hash"))
         found = _evaluated(one, problem)
-        difference = abs(found.deviance - _number(one["deviance"]))
+        difference = abs(found.deviance - _number(one.deviance))
         largest = max(largest, difference)
         if difference > _TOLERANCE:
-            text = f"deviance {found.deviance:.6f}, recorded {_number(one['deviance']):.6f}"
+            text = f"deviance {found.deviance:.6f}, recorded {_number(one.deviance):.6f}"
             mismatches.append(Mismatch(f"fit {name} ({title})", text))
         fits[name] = _again(found, problem) if refit else found
     decisions = _decided_anew(lines, fits, problem, progress if refit else None)
@@ -87,13 +90,13 @@ def replay(
     return Replay(len(lines), len(recorded), tuple(mismatches), largest)
 
 
-def _problem(posed: Record, problem: Problem) -> Iterator[Mismatch]:
-    content = {key: value for key, value in posed.items() if key != "hash"}
-    if digest(content) != posed["hash"]:
+def _problem(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
+    if hashed(posed) != posed.hash:
         yield Mismatch("problem", "its content does not give its hash")
-    for key, value in problem_record(problem, posed["inputs"]).items():
-        if not _alike(value, posed[key]):
-            yield Mismatch("problem", f"{key} is {value}, recorded {posed[key]}")
+    recorded = posed.model_dump(exclude={"hash"})
+    for key, value in problem_record(problem, posed.inputs).model_dump(exclude={"hash"}).items():
+        if not _alike(value, recorded[key]):
+            yield Mismatch("problem", f"{key} is {value}, recorded {recorded[key]}")
 
 
 def _alike(one: Any, other: Any) -> bool:
@@ -107,14 +110,14 @@ def _alike(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _evaluated(one: Record, problem: Problem) -> Fit:
+def _evaluated(one: FitRecord, problem: Problem) -> Fit:
     """A recorded fit, its deviance evaluated anew at its recorded parameters."""
-    shape = one["spline_term"] and Shape.of(one["spline_term"])
-    hypothesis = Hypothesis(tuple(each["name"] for each in one["effects"]), shape)
-    numbers = np.array(one["parameters"], dtype=float)
+    shape = None if one.spline_term is None else Shape.of(one.spline_term)
+    hypothesis = Hypothesis(tuple(each.name for each in one.effects), shape)
+    numbers = np.array(one.parameters, dtype=float)
     if len(numbers) != hypothesis.size(problem):
         raise ValueError(f"{len(numbers)} parameters for a hypothesis of {hypothesis.size(problem)}")
-    at, density = hypothesis.read(numbers, problem), float(one["process_noise_m2_s3"])
+    at, density = hypothesis.read(numbers, problem), one.process_noise_m2_s3
     deviance = problem.deviance(at.effects, at.phases, density, at.shape)
     return Fit(hypothesis, numbers, at, density, deviance, np.zeros((len(numbers),) * 2), problem.readings)
 
@@ -126,16 +129,14 @@ def _again(found: Fit, problem: Problem) -> Fit:
 
 
 def _decided_anew(
-    lines: Sequence[Record], fits: Mapping[str, Fit], problem: Problem, refit: Progress | None
+    lines: Sequence[LedgerLine], fits: Mapping[str, Fit], problem: Problem, refit: Progress | None
 ) -> list[Decision]:
     """Every decision by the rules of the search, from the fits and the held-out figures."""
     criterion = Criterion(problem.settings)
     decisions: list[Decision] = []
-    rounds = groupby(lines, key=lambda line: (line["rule"], line["against"], line["evidence"].get("winner")))
+    rounds = groupby(lines, key=lambda line: (line.rule, line.against, line.evidence.winner))
     for (rule, against, _), each in rounds:
-        tried = [
-            (fits[line["fit"]], _evidence(line["evidence"], fits, problem, line, refit, criterion)) for line in each
-        ]
+        tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in each]
         winner = _winner(Rule(rule), tried, criterion)
         for one, evidence in tried:
             among = evidence if evidence.winner is None else replace(evidence, winner=winner)
@@ -153,43 +154,42 @@ def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criter
 
 
 def _evidence(
-    record: Record,
+    line: LedgerLine,
     fits: Mapping[str, Fit],
     problem: Problem,
-    line: Record,
     refit: Progress | None,
-    criterion: Criterion,
 ) -> Evidence:
     """Evidence of a line; held-out figures as recorded, or computed anew."""
-    before, after = tuple(record.get("before", ())), tuple(record.get("after", ()))
-    one, against = fits[line["fit"]], fits[line["against"]]
+    recorded = line.evidence
+    before, after = tuple(map(_number, recorded.before)), tuple(map(_number, recorded.after))
+    one, against = fits[line.fit], fits[line.against]
     if refit is not None and before:
-        if line["rule"] == Rule.SPLINE:
+        if line.rule == Rule.SPLINE:
             before, after = held_out_deviances(problem, against, one, refit)
         else:
-            refit(f"{line['effect']} on held-out windows")
+            refit(f"{line.effect} on held-out windows")
             before, after = held_out_errors(problem, against), held_out_errors(problem, one)
     return Evidence(
-        winner=fits[record["winner"]] if "winner" in record else None,
-        holder=fits[record["holder"]] if "holder" in record else None,
-        without=tuple(fits[name] for name in record.get("without", ())),
+        winner=None if recorded.winner is None else fits[recorded.winner],
+        holder=None if recorded.holder is None else fits[recorded.holder],
+        without=tuple(fits[name] for name in recorded.without),
         before=before,
         after=after,
-        tests=record.get("tests", 1),
-        nested=record.get("nested", False),
+        tests=recorded.tests,
+        nested=recorded.nested,
     )
 
 
-def _differences(lines: Sequence[Record], decisions: Sequence[Decision], *, exact: bool) -> Iterator[Mismatch]:
+def _differences(lines: Sequence[LedgerLine], decisions: Sequence[Decision], *, exact: bool) -> Iterator[Mismatch]:
     """Hashes, gains, decisions and reasons that are not as recorded."""
     for n, (line, now) in enumerate(zip(lines, decisions, strict=True)):
-        where = f"attempt {n + 1}, {line['effect']}"
-        if digest({key: value for key, value in line.items() if key != "hash"}) != line["hash"]:
+        where = f"attempt {n + 1}, {line.effect}"
+        if hashed(line) != line.hash:
             yield Mismatch(where, "its content does not give its hash")
-        if now.kept != line["kept"]:
-            yield Mismatch(where, f"is {_fate(now.kept)}, recorded as {_fate(line['kept'])}")
-        if exact and not abs(now.gain - _number(line["gain"])) <= _TOLERANCE:
-            yield Mismatch(where, f"gain {now.gain:.4f}, recorded {_number(line['gain']):.4f}")
+        if now.kept != line.kept:
+            yield Mismatch(where, f"is {_fate(now.kept)}, recorded as {_fate(line.kept)}")
+        if exact and not abs(now.gain - _number(line.gain)) <= _TOLERANCE:
+            yield Mismatch(where, f"gain {now.gain:.4f}, recorded {_number(line.gain):.4f}")
 
 
 def _fate(kept: bool) -> str:

@@ -5,26 +5,24 @@ The process noise of the model's filter is tuned on the windows that everything 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
-from harness.identify.problem.windows import AHEAD, KNOWN, windows_of
+from harness.identify.problem.windows import windows_of
 from harness.identify.validation.baselines import fit_double_integrator, fit_output_error
 from harness.identify.validation.held_out import HeldOut
 from harness.metrics.paired import Margin, rms_reduction
 from harness.numerics import rms
+from harness.progress import Progress, silent
 
 BEFORE, AFTER = "before", "after"
 INTEGRATOR, BLACK_BOX = "double_integrator", "output_error"
 BASELINES = (INTEGRATOR, BLACK_BOX)
 _LEAST = 4  # windows from which a difference can be judged
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -50,23 +48,8 @@ class BaselineComparison:
         """Windows that the model with what was found predicts better."""
         return int(np.sum(self.errors[AFTER] < self.errors[baseline]))
 
-    def record(self) -> dict[str, Any]:
-        """As in diagnosis.json."""
-        better: dict[str, Any] = {}
-        for baseline in BASELINES:
-            margin = self.margin(baseline)
-            better[baseline] = None if margin is None else {**asdict(margin), "sure": margin.sure}
-        return {
-            "known_s": KNOWN,
-            "ahead_s": AHEAD,
-            "windows": self.windows,
-            "rms_m": {source: self.rms(source) for source in self.errors},
-            "windows_won": {baseline: self.won(baseline) for baseline in BASELINES},
-            "better_by_m": better,
-        }
 
-
-def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = lambda _: None) -> BaselineComparison | None:
+def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = silent) -> BaselineComparison | None:
     """Let the model, before and after, and the baselines predict what was held out; `None` if that has no window.
 
     Args:

@@ -26,8 +26,9 @@ from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.problem.problem import Filtered, Problem, Record
 from harness.identify.problem.spline_term import Depends, Shape
 from harness.identify.problem.windows import horizon_spans
-from harness.identify.validation.held_out import HeldOut, Progress
+from harness.identify.validation.held_out import HeldOut
 from harness.parallel import meanwhile
+from harness.progress import Progress, silent
 
 Law = Callable[[FloatArray, float], None]
 Squares = list[tuple[str, FloatArray]]
@@ -38,7 +39,7 @@ _ROLLING_STEP = 2e-3
 
 
 def engine_errors(
-    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = lambda _: None
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> dict[str, dict[str, Any]]:
     """RMS errors [m] of each engine by horizon, without and with what was found; horizons as in `verify.errors`.
 
@@ -47,26 +48,27 @@ def engine_errors(
     Args:
         seen: fits, and the recordings that they are held against.
         held: the same for recordings that were held out; without any, nothing is said of them.
+        jobs: processes to run in (`harness.parallel`); 1 for this one.
 
     Returns:
         By engine "before" and "after" with "rms_m" by horizon, and "heldout" with both again; where the engine failed
         there is "failed", its message.
     """
-    with engines_running(seen, held, progress) as errors:
+    with engines_running(seen, held, progress, jobs=jobs) as errors:
         return errors()
 
 
 @contextmanager
 def engines_running(
-    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = lambda _: None
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
     """As `engine_errors`, with the engines in processes of their own while the block goes on (`harness.parallel`)."""
     engines = {name: engine_of(name) for name in DEFAULT_ENGINES}
-    jobs: dict[Hashable, Callable[[], Squares | str]] = {}
+    runs: dict[Hashable, Callable[[], Squares | str]] = {}
     for engine in reversed(engines.values()):  # PyBullet takes longer; with the long jobs first, all cores end together
         for split in (seen, *held):
             for fit, record in itertools.product((split.base, split.found), split.left):
-                jobs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
+                runs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
     words = f"{' and '.join(engines)} on {', '.join(record.name for record in seen.left)}"
 
     def both(engine: Engine, splits: Sequence[HeldOut], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
@@ -75,11 +77,14 @@ def engines_running(
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
 
-    with meanwhile(list(jobs.values()), lambda count: progress(f"{words}: {count} of {len(jobs)}")) as results:
+    def told(count: int) -> None:
+        progress(f"{words}: {count} of {len(runs)}", share=count / len(runs))
+
+    with meanwhile(list(runs.values()), jobs, told) as results:
 
         def errors() -> dict[str, dict[str, Any]]:
-            progress(words)
-            found = dict(zip(jobs, results(), strict=True))
+            progress(words, share=0.0)
+            found = dict(zip(runs, results(), strict=True))
             return {
                 name: both(engine, [seen], found) | ({"heldout": both(engine, held, found)} if held else {})
                 for name, engine in engines.items()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,8 +14,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem, Record
 from harness.identify.problem.windows import folds, horizon_spans
 from harness.identify.validation.whiteness import Dependence, joined, on_beam
-
-Progress = Callable[[str], None]
+from harness.progress import Progress, silent
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Errors:
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
-def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = lambda _: None) -> Errors:
+def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = silent) -> Errors:
     """Prediction errors of `found` over `records`.
 
     "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
@@ -99,7 +98,7 @@ class HeldOut:
     left: tuple[Record, ...]
 
 
-def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[HeldOut, ...]:
+def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[HeldOut, ...]:
     """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
     made = []
     for fold in folds(problem):

@@ -34,8 +34,19 @@ Exit = tuple[float, bool]
 
 
 def overlay(subject: Subject, horizon: Horizon) -> Picture:
-    """Positions of all sources on one horizon; y limits from the range of the recording."""
-    ranked = subject.ranked if horizon is subject.study.headline else standings(subject.study, horizon)
+    """Positions of all sources on one horizon as an image of the page."""
+    figure = drawn(subject, horizon)
+    shown = "whole free run" if horizon.seconds is None else f"windows of {horizon.seconds:g} s"
+    with style():
+        return picture(figure, _alt(subject, _ranked(subject, horizon), shown), _caption(subject, horizon))
+
+
+def _ranked(subject: Subject, horizon: Horizon) -> list[Standing]:
+    return subject.ranked if horizon is subject.study.headline else standings(subject.study, horizon)
+
+
+def drawn(subject: Subject, horizon: Horizon) -> Figure:
+    """Positions of all sources on one horizon, framed by the recording's own range."""
     with style():
         figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
         axes = figure.add_subplot()
@@ -47,7 +58,7 @@ def overlay(subject: Subject, horizon: Horizon) -> Picture:
         ]
         axes.set_xlim(subject.study.setting.time[horizon.first[0]], subject.study.setting.time[horizon.last[-1]])
         exits = []
-        for one in ranked:
+        for one in _ranked(subject, horizon):
             entry, left = _draw(subject, horizon, axes, one)
             entries.append(entry)
             exits += [] if left is None else [left]
@@ -59,8 +70,7 @@ def overlay(subject: Subject, horizon: Horizon) -> Picture:
             handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6
         )
         legend.get_title().set_fontsize(8.5)
-        shown = "whole free run" if horizon.seconds is None else f"windows of {horizon.seconds:g} s"
-        return picture(figure, _alt(subject, ranked, shown), _caption(subject, horizon))
+    return figure
 
 
 def _draw_recording(subject: Subject, horizon: Horizon, axes: Axes) -> FloatArray:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 from harness.identify.diagnosis import Diagnosis
-from harness.parallel import on_all_cores
+from harness.identify.record import DiagnosisRecord
+from harness.parallel import side_by_side
 from harness.recording import Case
 from harness.report.diagnosis import (
     baselines,
@@ -37,19 +38,20 @@ SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
 
 
 def render_diagnosis(
-    diagnosis: Diagnosis, record: Mapping[str, object], case: Case, *, command: str = "", replay: str = ""
+    diagnosis: Diagnosis, record: DiagnosisRecord, case: Case, *, command: str = "", replay: str = "", jobs: int = 1
 ) -> str:
     """The diagnosis report as HTML text.
 
     Args:
-        diagnosis: the result.
-        record: content of diagnosis.json.
-        case: the input.
-        command: to repeat the diagnosis; empty if unknown.
-        replay: command to replay its ledger; empty if unknown.
+        diagnosis: what is reported.
+        record: as written to diagnosis.json.
+        case: what was handed in.
+        command: what repeats the diagnosis; empty if it is not known.
+        replay: what replays its ledger; likewise.
+        jobs: processes to draw in (`harness.parallel`); 1 for this one.
     """
     account = Account(diagnosis, record, case, command, replay)
-    made = on_all_cores([partial(section, account) for section in SECTIONS])
+    made = side_by_side([partial(section, account) for section in SECTIONS], jobs)
     return render_page(
         f"Ball and beam: diagnosis of {account.case_name}",
         [section for section in made if section is not None],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +9,7 @@ from harness.comparison.setting import ball_of
 from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import Record
+from harness.identify.record import DiagnosisRecord
 from harness.identify.validation.residual_acceleration import Trace, trace
 from harness.recording import Case
 from harness.report.palette import Look
@@ -32,7 +32,7 @@ class Account:
     """
 
     diagnosis: Diagnosis
-    record: Mapping[str, object]
+    record: DiagnosisRecord
     case: Case
     command: str
     replay: str = ""

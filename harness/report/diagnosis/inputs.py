@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict
 
 from harness.formatting import length, number
@@ -24,8 +23,6 @@ _UNITS = {
 
 def section(account: Account) -> Section:
     """The inputs."""
-    inputs = account.record.get("inputs")
-    stated = inputs if isinstance(inputs, Mapping) else {}
     context = {
         "origin": account.case.origin,
         "recordings": _recordings(account),
@@ -33,7 +30,7 @@ def section(account: Account) -> Section:
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.noise), 2),
         "findings": account.case.findings,
-        "versions": dict(stated.get("versions", {})),
+        "versions": account.record.inputs.versions,
         "command": account.command,
     }
     return Section("inputs", "Inputs", "Inputs", "diagnosis/inputs.html", context)

@@ -21,8 +21,6 @@ def section(account: Account) -> Section:
 
 
 def _table(account: Account) -> Table:
-    lines = account.record.get("ledger")
-    hashes = [str(line["hash"]) for line in lines] if isinstance(lines, list) else []
     columns = [
         Column("tried", text=True),
         Column("in addition to", text=True),
@@ -39,10 +37,10 @@ def _table(account: Account) -> Table:
                 fixed(one.gain, 1),
                 "kept" if one.kept else "",
                 one.because,
-                f"`{hashed[:8]}`",
+                f"`{line.hash[:8]}`",
             ),
             "best" if one.kept else "",
         )
-        for one, hashed in zip(account.diagnosis.ledger, hashes, strict=True)
+        for one, line in zip(account.diagnosis.ledger, account.record.ledger, strict=True)
     ]
     return Table("All entries", columns, rows)

@@ -37,7 +37,7 @@ def section(account: Account) -> Section:
         # Beside a curve nothing was tried again, and without it the process noise hides what is small.
         "unseen": () if account.diagnosis.found.best.shape is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
-        "picture": _before_after(account),
+        "picture": _picture(account),
     }
     return Section("verdict", "Verdict", "Verdict", "diagnosis/verdict.html", context)
 
@@ -118,14 +118,22 @@ def _digits(value: float, width: float) -> int:
     return int(np.clip(np.floor(np.log10(abs(value))) - np.floor(np.log10(width)) + 2, 2, 6))
 
 
-def _before_after(account: Account) -> Picture:
+Runs = list[tuple[Forecast, Look]]
+
+
+def _runs(account: Account) -> Runs:
+    """The first recording predicted from its first seconds, without and with what was found."""
+    diagnosis, shown = account.diagnosis, account.shown
+    given = np.where(shown.time - shown.time[0] < KNOWN, shown.reading, np.nan)
+    fits = [(diagnosis.base, MODEL), (diagnosis.found, FOUND)]
+    return [(forecast(diagnosis.problem, fit, shown, given), look) for fit, look in fits[: 2 if account.changed else 1]]
+
+
+def before_after(account: Account, runs: Runs | None = None) -> Figure:
+    """Predictions of the first recording and their errors, without and with what was found."""
     diagnosis, shown = account.diagnosis, account.shown
     time, reading = shown.time, shown.reading
-    first = time - time[0] < KNOWN
-    given = np.where(first, reading, np.nan)
-    before = forecast(diagnosis.problem, diagnosis.base, shown, given)
-    after = forecast(diagnosis.problem, diagnosis.found, shown, given)
-    runs = [(before, MODEL), (after, FOUND)] if account.changed else [(before, MODEL)]
+    runs = _runs(account) if runs is None else runs
     closest = runs[-1][0]
     with style():
         figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
@@ -153,6 +161,15 @@ def _before_after(account: Account) -> Picture:
         entries = [sample(Look("recording", MEASURED_COLOUR, None, 1.4), account.measured)]
         entries += [sample(look, look.label) for _, look in runs]
         figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
+    return figure
+
+
+def _picture(account: Account) -> Picture:
+    shown, runs = account.shown, _runs(account)
+    time, reading = shown.time, shown.reading
+    first = time - time[0] < KNOWN
+    figure = before_after(account, runs)
+    with style():
         ends = ", ".join(f"{look.label} {_error(one, reading, ~first)}" for one, look in runs)
         alt = f"Recorded and predicted position of {shown.name} without and with the effects found; differences."
         caption = (
@@ -164,9 +181,7 @@ def _before_after(account: Account) -> Picture:
         return picture(figure, alt, caption)
 
 
-def _panel(
-    axes: Axes, time: FloatArray, reading: FloatArray, runs: list[tuple[Forecast, Look]], closest: Forecast
-) -> None:
+def _panel(axes: Axes, time: FloatArray, reading: FloatArray, runs: Runs, closest: Forecast) -> None:
     thin = slice(None, None, thinning(len(time)))
     band(axes, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
     known = np.isfinite(reading)

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from harness.cli.outputs import to_json
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import Settings
+from harness.identify.record import LedgerRecord, SourcesRecord
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger_record import digest, ledger_record
 from harness.identify.selection.replay import replay
@@ -21,7 +21,7 @@ from harness.identify.selection.search import Selection, search
 from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
-INPUTS = {"hashes": {"rec_01.csv": "0123"}, "versions": {"numpy": "2.0"}}
+INPUTS = SourcesRecord(hashes={"rec_01.csv": "0123"}, versions={"numpy": "2.0"})
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Selecti
 @pytest.fixture(scope="module")
 def kept(searched: tuple[Problem, Selection]) -> dict[str, Any]:
     """Its record, through JSON and back."""
-    return json.loads(to_json(ledger_record(*searched, INPUTS)))
+    return json.loads(ledger_record(*searched, INPUTS).model_dump_json())
 
 
 def test_every_line_is_decided_by_the_criterion(searched: tuple[Problem, Selection]) -> None:
@@ -56,7 +56,7 @@ def test_the_search_adds_drops_and_swaps(searched: tuple[Problem, Selection]) ->
 
 def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, Selection], kept: dict[str, Any]) -> None:
     """Find every hash, deviance and decision again."""
-    done = replay(kept, searched[0])
+    done = replay(LedgerRecord.model_validate(kept), searched[0])
     assert done.mismatches == ()
     # the same code on the same processor sums the same terms in the same order
     assert done.largest == 0.0
@@ -120,7 +120,7 @@ def test_what_was_changed_is_named(
     """Name what no longer comes out, or the hash that no longer fits."""
     record = copy.deepcopy(kept)
     text = forge(record)
-    said = [one.what for one in replay(record, searched[0]).mismatches]
+    said = [one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches]
     assert any(text in one for one in said), said
 
 
@@ -133,13 +133,13 @@ def test_every_kind_of_decision_is_decided_anew(
     line = next(line for line in record["ledger"] if line["rule"] == rule)
     line["kept"] = not line["kept"]
     rehashed(line)
-    assert any("recorded as" in one.what for one in replay(record, searched[0]).mismatches)
+    assert any("recorded as" in one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches)
 
 
 def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
     """Reproduce nothing from recordings of the same rig with other noise."""
     other = pose(tmp_path / "case", 1, HIDDEN).problem
-    said = [one.what for one in replay(kept, other).mismatches]
+    said = [one.what for one in replay(LedgerRecord.model_validate(kept), other).mismatches]
     assert sum("deviance" in one for one in said) == len(kept["fits"])
 
 
@@ -150,5 +150,5 @@ def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) 
     problem = replace(searched[0], settings=never)
     selection = search(problem)
     assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}
-    record = json.loads(to_json(ledger_record(problem, selection, INPUTS)))
+    record = ledger_record(problem, selection, INPUTS)
     assert replay(record, problem).mismatches == ()

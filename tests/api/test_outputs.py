@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.cli.outputs import all_or_nothing, manifest, metrics, to_json, trajectories, write_tables
+from harness.api.outputs import all_or_nothing, manifest, metrics, to_json, trajectories, write_tables
 from harness.comparison import Choices, Study, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.errors import InputError

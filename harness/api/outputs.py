@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import platform
 import shutil
@@ -17,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.recording import Case
 from harness.recording.case import RIG_FILE
@@ -141,15 +139,12 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def csv_text(columns: Mapping[str, FloatArray]) -> str:
-    """Columns of numbers, each of shape (n,), as CSV with six decimals: micrometres, microradians, microseconds."""
-    text = io.StringIO()
-    table = np.column_stack(list(columns.values()))
-    np.savetxt(text, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
-    return text.getvalue()
+def write_csv(table: pd.DataFrame, file: Path) -> None:
+    """Write columns of numbers with six decimals: micrometres, microradians, microseconds."""
+    table.to_csv(file, index=False, float_format="%.6f")
 
 
 def write_tables(study: Study, folder: Path) -> None:
     """Write trajectories.csv (micrometres) and metrics.csv (seven digits) into `folder`."""
-    trajectories(study).to_csv(folder / "trajectories.csv", index=False, float_format="%.6f")
+    write_csv(trajectories(study), folder / "trajectories.csv")
     metrics(study).to_csv(folder / "metrics.csv", index=False, float_format="%.7g")

@@ -1,0 +1,222 @@
+"""One recording through every model and engine: tables, plot, report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from harness.api.case import Case, case_of
+from harness.api.effects import Given, beside_catalogue
+from harness.api.outputs import all_or_nothing, report_folder, to_json
+from harness.api.progress import shown
+from harness.errors import EngineFailure, InputError
+from harness.progress import Progress
+from harness.report.summary import Summarised, Summary
+from harness.report.tables import Column, Row, Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from analytic.motion import State
+    from harness.comparison import Study
+    from harness.engines.protocol import Engine, EngineParameters
+    from harness.recording import Case as CheckedCase
+    from harness.tolerances import Checked, Tolerances
+
+REPORT = "report.html"
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Summarised):
+    """What `compare` found.
+
+    Attributes:
+        case: what was compared.
+        study: every run, score and attribution (`harness.comparison.Study`).
+        checks: outcome of every tolerance, if `check` was asked for.
+        limits: the tolerances, likewise.
+        wall_time: that it took [s].
+        command: what repeats it; empty if not known.
+    """
+
+    case: Case
+    study: Study
+    checks: tuple[Checked, ...] = ()
+    limits: Tolerances | None = None
+    wall_time: float = 0.0
+    command: str = field(default="", compare=False)
+
+    @property
+    def scores(self) -> pd.DataFrame:
+        """One row a source and horizon; columns as in metrics.csv."""
+        from harness.api.outputs import metrics
+
+        return metrics(self.study)
+
+    @property
+    def trajectories(self) -> pd.DataFrame:
+        """`time_s`, `measured_m`, then one column a source [m]; the whole recording as one free run."""
+        from harness.api.outputs import trajectories
+
+        return trajectories(self.study)
+
+    @property
+    def failures(self) -> tuple[EngineFailure, ...]:
+        """Every engine run that failed."""
+        return self.study.failures
+
+    @property
+    def answer(self) -> tuple[str, ...]:
+        """Which model to trust, how far, and why, in sentences."""
+        from harness.report.answer import answer
+
+        return answer(self.study)
+
+    def summary(self) -> Summary:
+        """The answer and the scores on the headline horizon."""
+        study = self.study
+        columns = [
+            Column("source", text=True),
+            Column("RMS", "mm"),
+            Column("max", "mm"),
+            Column("fit", "%"),
+            Column("E/u_val"),
+            Column("ISO 18571"),
+        ]
+        rows = []
+        for score in (study.score_of(name, study.headline) for name in study.sources):
+            errors = (f"{score.rms_error_mm:.2f}", f"{1e3 * score.max_error_m:.2f}", f"{score.fit_percent:.1f}")
+            ratings = (f"{score.rms_error_over_uncertainty:.1f}", f"{score.iso18571_rating:.2f}")
+            rows.append(Row((score.source, *errors, *ratings)))
+        table = Table(f"Horizon: {study.headline.name}", columns, rows)
+        return Summary(f"Comparison of {study.setting.recording.path}", self.answer, [table])
+
+    def plot(self) -> Figure:
+        """The recording against all sources, on the horizon of the answer."""
+        from harness.report.comparison.overlay import drawn
+        from harness.report.comparison.subject import Subject
+
+        return drawn(Subject(self.study, {}, self.checks, self.command), self.study.headline)
+
+    def save(self, folder: str | Path | None = None) -> Path:
+        """Write report.html, trajectories.csv, metrics.csv and manifest.json, all of them or none.
+
+        Args:
+            folder: to write into; `reports/<name of the case>` if none is given.
+
+        Returns:
+            The folder.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        folder = report_folder(self.case) if folder is None else Path(folder)
+        with all_or_nothing(folder) as scratch:
+            self._write(scratch)
+        return folder
+
+    def _write(self, folder: Path) -> None:
+        from harness.api.outputs import manifest, write_tables
+        from harness.report.comparison import render_comparison
+
+        write_tables(self.study, folder)
+        facts = manifest(self.study, command=self.command, wall_time=self.wall_time)
+        (folder / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+        (folder / REPORT).write_text(render_comparison(self.study, facts, checks=self.checks), encoding="utf-8")
+
+
+def compare(
+    case: CheckedCase | str | Path,
+    *,
+    recording: str | None = None,
+    engines: Sequence[str] = (),
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    start: State | tuple[float, float] | None = None,
+    level_angle: float | Literal["estimate"] | None = None,
+    windows: Sequence[float] = (),
+    tube: float = 0.010,
+    seed: int = 0,
+    check: bool = False,
+    tolerances: str | Path | None = None,
+    effects: Sequence[Given] = (),
+    out: str | Path | None = None,
+    command: str = "",
+    progress: bool | Progress = False,
+) -> Comparison:
+    """Drive every model and engine with the recorded beam angle and score them against the recording.
+
+    Args:
+        case: as of `load_case`, or its path.
+        recording: which one of the case; the first to identify from if none is named.
+        engines: `mujoco`, `pybullet`, `dart`; the first two, and those with settings, if none is named.
+        settings: contact parameters by engine, as in `{"mujoco": {"friction": 0.3}}`.
+        start: of the ball at the first stamp, position [m] and velocity [m/s]; estimated if none is given.
+        level_angle: α₀ [rad], or "estimate"; as rig.toml says if none is given.
+        windows: lengths of the windows [s]; 1, 2 and 5 s if none is given.
+        tube: half width of the tolerance tube [m].
+        seed: of the draws that propagate uncertainty.
+        check: hold the result to tolerances.
+        tolerances: file of limits to check; those of the case, else the package's, if none is given.
+        effects: effects of your own that rig.toml declares, as Python files or as `Effect` objects.
+        out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
+        command: what repeats the comparison, for the manifest.
+        progress: show a bar on stderr, or a function to be told.
+
+    Raises:
+        InputError: anything given cannot be used; nothing has been written then. An engine that fails raises nothing:
+            see `Comparison.failures`.
+    """
+    begin = time.monotonic()
+    case = case_of(case)
+    with beside_catalogue(effects), shown(progress) as tell:
+        tell("models and engines", share=0.0)
+        from analytic.motion import State
+        from harness.comparison import Choices, prepare, study
+        from harness.tolerances import check as held_to
+        from harness.tolerances import tolerances_for
+
+        chosen = _choose_engines(engines, settings or {})
+        limits = None
+        if check or tolerances is not None:
+            limits = tolerances_for(case.path, None if tolerances is None else Path(tolerances))
+            if engines:  # limits on engines that the user left out are not what was asked
+                limits = limits.without(set(limits.engines) - set(engines))
+        choices = Choices(
+            recording=recording,
+            start=State(*start) if isinstance(start, tuple) else start,
+            level_angle=level_angle,
+            lengths=tuple(windows) or Choices.lengths,
+            tolerance=tube,
+            seed=seed,
+        )
+        if limits is not None:
+            choices = limits.settle(choices)
+        # Entered first: what cannot be written need not be computed.
+        with nullcontext() if out is None else all_or_nothing(Path(out)) as scratch:
+            tell("drive and measured state", share=0.05)
+            result = study(prepare(case, choices), chosen, tell)
+            checks = tuple(held_to(result, limits)) if limits is not None else ()
+            made = Comparison(case, result, checks, limits, time.monotonic() - begin, command)
+            if scratch is not None:
+                tell("report", share=0.8)
+                made._write(scratch)
+    return made
+
+
+def _choose_engines(
+    names: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+) -> list[tuple[Engine, EngineParameters]]:
+    """Those that are named; else the default ones and whichever has settings. All settings are checked."""
+    from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
+
+    idle = sorted(set(settings) - set(names)) if names else []
+    if idle:
+        raise InputError(f"parameters of {', '.join(idle)} are set, but --engine leaves it out; name it or drop them")
+    engines = {name: engine_of(name) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
+    checked = {name: parameters_of(engine, settings.get(name, {})) for name, engine in engines.items()}
+    return [(engines[name], checked[name]) for name in dict.fromkeys(names or engines)]

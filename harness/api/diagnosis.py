@@ -1,0 +1,214 @@
+"""What a case's model lacks: found, verified, plotted, written."""
+
+from __future__ import annotations
+
+import shlex
+import time
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.api.case import Case, case_of
+from harness.api.effects import Given, beside_catalogue, files_of
+from harness.api.outputs import all_or_nothing, report_folder, write_csv
+from harness.api.progress import shown
+from harness.api.saved import LoadedDiagnosis
+from harness.errors import InputError
+from harness.identify.record import FILE, DiagnosisRecord
+from harness.progress import Progress
+from harness.recording import Recording, load_recording
+from harness.recording.source import read_source
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from harness.identify.diagnosis import Diagnosis as Found
+    from harness.recording import Case as CheckedCase
+
+REPORT = "diagnosis.html"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a diagnosis was asked for, as files: further recordings, effects of the user's own, where to write."""
+
+    also: tuple[Path, ...] = ()
+    effects: tuple[Path, ...] = ()
+    out: Path | None = None
+
+    def command(self, name: str, *paths: Path, whole: bool = True) -> str:
+        """What is to be typed; with `also` and `out` where it is the `whole`."""
+        options = [("--out", self.out)] if whole and self.out is not None else []
+        options += [("--also", file) for file in self.also if whole]
+        options += [("--effects", file) for file in self.effects]
+        words = [str(word) for option in options for word in option]
+        return shlex.join(["harness", name, *map(str, paths), *words])
+
+
+class Diagnosis(LoadedDiagnosis):
+    """What `diagnose` found: all that a `LoadedDiagnosis` has, and its plot and report.
+
+    Attributes:
+        case: what was diagnosed.
+        found: fits, search and validation (`harness.identify.diagnosis.Diagnosis`).
+    """
+
+    def __init__(
+        self,
+        record: DiagnosisRecord,
+        case: Case,
+        found: Found,
+        *,
+        effects: Sequence[Given] = (),
+        asked: Asked | None = None,
+    ) -> None:
+        """Take the record, and what it was made from."""
+        super().__init__(record, case.path, effects)
+        self.case, self.found, self._asked = case, found, asked or Asked()
+
+    def plot(self) -> Figure:
+        """The first recording predicted from its first two seconds, without and with what was found."""
+        from harness.report.diagnosis.account import Account
+        from harness.report.diagnosis.verdict import before_after
+
+        with beside_catalogue(self._own):
+            return before_after(Account(self.found, self.record, self.case, ""))
+
+    def save(self, folder: str | Path | None = None, *, jobs: int = 1) -> Path:
+        """Write diagnosis.json, diagnosis.html, predictions and the next experiment, all of them or none.
+
+        Args:
+            folder: to write into; `reports/<name of the case>` if none is given.
+            jobs: processes to draw the report in; 1 for this one.
+
+        Returns:
+            The folder.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        folder = report_folder(self.case) if folder is None else Path(folder)
+        with beside_catalogue(self._own), all_or_nothing(folder) as scratch:
+            self._write(scratch, folder, jobs)
+        return folder
+
+    def _write(self, scratch: Path, folder: Path, jobs: int) -> None:
+        """Into `scratch`, from where it gets into `folder`; the effects are beside the catalogue."""
+        import pandas as pd
+
+        from harness.identify.design.proposal import FILE as EXPERIMENT
+        from harness.report.diagnosis import render_diagnosis
+
+        (scratch / FILE).write_text(self.record.text() + "\n", encoding="utf-8")
+        page = render_diagnosis(
+            self.found,
+            self.record,
+            self.case,
+            command=self._asked.command("diagnose", self.case.path),
+            replay=self._asked.command("replay", folder, self.case.path, whole=False),
+            jobs=jobs,
+        )
+        (scratch / REPORT).write_text(page, encoding="utf-8")
+        if self.found.next_experiment is not None:
+            write_csv(pd.DataFrame(self.found.next_experiment.table()), scratch / EXPERIMENT)
+        for file, name in prediction_files(self.case).items():
+            write_csv(self.predict(self.case.recordings[name]), scratch / file)
+
+
+def diagnose(
+    case: CheckedCase | str | Path,
+    *,
+    also: Sequence[str | Path] = (),
+    effects: Sequence[Given] = (),
+    out: str | Path | None = None,
+    jobs: int = 1,
+    progress: bool | Progress = False,
+) -> Diagnosis:
+    """Find what the model lacks: which effects act, their sizes and intervals, and errors before and after.
+
+    Args:
+        case: as of `load_case`, or its path.
+        also: further recordings of the rig, with positions, to hold the result against; nothing is fitted to them.
+        effects: effects of your own to look for beside the catalogue's, as Python files or as `Effect` objects.
+        out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
+        jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
+            other threads hold locks, as they may in a notebook. The search uses threads on all cores in any case.
+        progress: show a bar on stderr, or a function to be told.
+
+    Raises:
+        InputError: the case, a further recording, a file of effects or a file's name cannot be used; nothing has been
+            written then.
+    """
+    begin = time.monotonic()
+    case = case_of(case)
+    asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out))
+    with beside_catalogue(effects) as own, shown(progress) as tell:
+        hashes = input_hashes(case, asked.effects)
+        prediction_files(case)
+        further = _further(case, asked.also)
+        # Entered first: what cannot be written need not be computed.
+        with nullcontext() if asked.out is None else all_or_nothing(asked.out) as scratch:
+            tell("drives and rig", share=0.0)
+            from harness.api.assemble import diagnosis_record
+            from harness.identify.diagnosis import diagnose as find
+            from harness.identify.problem.prepare import problem_of, record_of
+
+            problem, _ = problem_of(case)
+            records = [record_of(case, one, problem.rig)[0] for one in further]
+            found = find(problem, tell, also=records, length=case.rig.length, jobs=jobs)
+            record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further)
+            made = Diagnosis(record, case, found, effects=own, asked=asked)
+            if scratch is not None and asked.out is not None:
+                tell("report", share=0.95)
+                made._write(scratch, asked.out, jobs)
+    return made
+
+
+def _further(case: Case, files: Sequence[Path]) -> list[Recording]:
+    """Recordings beside the case's own, each under a name of its own."""
+    used = {case.recordings[name].sha256: name for name in case.identify}
+    found: dict[str, Recording] = {}
+    for file in files:
+        one = load_recording(file, rig=case.rig, sensors=case.sensors)
+        if one.sha256 in used:
+            raise InputError(
+                f"{file}: is {used[one.sha256]}, which is in use already; give --also a recording that is not"
+            )
+        if not one.known.any():
+            raise InputError(f"{file}: holds no ball positions, so there is nothing to hold predictions against")
+        used[one.sha256] = str(file)
+        name = str(file) if one.name in (*found, *case.identify) else one.name
+        found[name] = replace(one, name=name)
+    return list(found.values())
+
+
+def input_hashes(case: CheckedCase, effects: Sequence[Path] = ()) -> dict[str, str]:
+    """SHA-256 of everything that a diagnosis is made from, by file; files of effects by name, wherever they lie.
+
+    Raises:
+        InputError: a file of effects cannot be read, or has the name of another file.
+    """
+    hashes = {name: case.recordings[name].sha256 for name in case.identify}
+    hashes |= {"rig.toml": case.sha256} if case.sha256 else {}
+    for file in effects:
+        if file.name in hashes:
+            raise InputError(f"{file}: another file that the diagnosis is made from has this name; rename one of them")
+        hashes[file.name] = read_source(file).sha256
+    return hashes
+
+
+def prediction_files(case: CheckedCase) -> dict[str, str]:
+    """The recordings to predict, by the file that each prediction is written to.
+
+    Raises:
+        InputError: two recordings have one stem.
+    """
+    files: dict[str, str] = {}
+    for name in case.predict:
+        file = f"prediction_{Path(name).stem}.csv"
+        if file in files:
+            raise InputError(f"{case.path}: {files[file]} and {name} would both be predicted into {file}; rename one")
+        files[file] = name
+    return files

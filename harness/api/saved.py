@@ -1,0 +1,165 @@
+"""A diagnosis as its diagnosis.json has it: verdict, effects, tables, predictions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.api.effects import Given, beside_catalogue
+from harness.formatting import number
+from harness.identify.record import FILE, DiagnosisRecord, EffectRecord, RmsRecord, UnlistedRecord, read_record
+from harness.recording import Recording, Sensors, load_recording
+from harness.report.summary import Summarised, Summary
+from harness.report.tables import Column, Row, Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class LoadedDiagnosis(Summarised):
+    """A diagnosis that was read from diagnosis.json.
+
+    Attributes:
+        record: all of diagnosis.json.
+        origin: the file, or the case that was diagnosed.
+    """
+
+    def __init__(self, record: DiagnosisRecord, origin: Path, effects: Sequence[Given] = ()) -> None:
+        """Take a record, where it comes from, and effects of one's own that it may name."""
+        self.record, self.origin, self._own = record, origin, tuple(effects)
+
+    @property
+    def verdict(self) -> str:
+        """`none`, `effect`, `unlisted` or `not_identifiable`."""
+        return self.record.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return self.record.sentence
+
+    @property
+    def effects(self) -> dict[str, EffectRecord]:
+        """The effects found, by name: `effects["level_error"]["angle"]` has `value`, `interval` (95 %) and `unit`."""
+        return {one.name: one for one in self.record.effects}
+
+    @property
+    def unlisted(self) -> UnlistedRecord | None:
+        """The law that no catalogue lists, if there is one."""
+        return self.record.unlisted
+
+    @property
+    def sensors(self) -> Sensors:
+        """What is known of the sensors that recorded."""
+        return Sensors(**self.record.model.sensors.model_dump())
+
+    @property
+    def ledger(self) -> pd.DataFrame:
+        """Every attempt of the search, one a row, in order."""
+        import pandas as pd
+
+        return pd.DataFrame([one.model_dump() for one in self.record.ledger])
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """RMS prediction errors without and with what was found: `data, source, horizon, before_m, after_m`."""
+        import pandas as pd
+
+        return pd.DataFrame(self._errors(), columns=["data", "source", "horizon", "before_m", "after_m"])
+
+    def _errors(self) -> list[tuple[str, str, str, float | None, float | None]]:
+        told = self.record.errors
+        runs: list[tuple[str, str, RmsRecord, RmsRecord]] = []
+        for data, cam in (("heldout", told.heldout), ("identify", told.identify)):
+            runs.append((data, "cam", cam.before, cam.after))
+            for name, engine in told.engines.items():
+                one = engine.heldout if data == "heldout" else engine
+                runs += [] if one is None else [(data, name, one.before, one.after)]
+        for also, each in told.also.items():
+            runs.append((f"also {also}", "cam", each.before, each.after))
+            runs += [(f"also {also}", name, one.before, one.after) for name, one in each.engines.items()]
+        return [
+            (data, source, horizon, before.rms_m.get(horizon), after.rms_m.get(horizon))
+            for data, source, before, after in runs
+            for horizon in dict.fromkeys((*before.rms_m, *after.rms_m))
+        ]
+
+    def predict(self, recording: Recording | str | Path) -> pd.DataFrame:
+        """Predict ball positions from the angle alone, with the identified model.
+
+        The initial state comes from the positions that are known; leave those of the first second or so in it.
+
+        Args:
+            recording: a CSV file, or one that was read.
+
+        Returns:
+            `time_s, ball_position_m` and the 95 % band `low_m, high_m`.
+
+        Raises:
+            InputError: the recording cannot be used, or the model names an effect that the catalogue does not have.
+        """
+        model, sensors = self.record.model, self.sensors
+        read = load_recording(recording, sensors=sensors) if isinstance(recording, str | Path) else recording
+        with beside_catalogue(self._own):
+            import pandas as pd
+
+            from harness.identify.estimate.forecast import forecast
+            from harness.identify.model_file import read_model, rig_of
+            from harness.identify.problem.prepare import record_from
+
+            record, _ = record_from(read, sensors, rig_of(model))
+            problem, found = read_model(model, record, str(self.origin))
+            return pd.DataFrame(forecast(problem, found, record, record.reading).table())
+
+    def summary(self) -> Summary:
+        """The verdict in words, the effects, the held-out errors."""
+        columns = [
+            Column("effect", text=True),
+            Column("parameter", text=True),
+            Column("value"),
+            Column("95 % interval"),
+            Column("unit", text=True),
+            Column("not to be told from", text=True),
+        ]
+        rows = [
+            Row((f"`{one.name}`", f"`{key}`", number(each.value, 4), _interval(each.interval), each.unit, rivals))
+            for one in self.record.effects
+            for rivals in [", ".join(one.indistinguishable_from) or "nothing"]
+            for key, each in one.parameters.items()
+        ]
+        tables = [Table("Effects", columns, rows)] if rows else []
+        heads = [
+            Column("predicted by", text=True),
+            Column("over", text=True),
+            Column("before", "mm"),
+            Column("after", "mm"),
+        ]
+        errors = [
+            Row((source, horizon, *("–" if one is None else number(1e3 * one) for one in both)))
+            for data, source, horizon, *both in self._errors()
+            if data == "heldout"
+        ]
+        tables.append(Table("RMS errors, held out", heads, errors))
+        lines = [self.sentence]
+        if self.record.next_experiment is not None:
+            lines.append(self.record.next_experiment.sentence.replace("_", " "))
+        return Summary(f"Diagnosis of {self.origin}", lines, tables)
+
+
+def _interval(ends: tuple[float | None, float | None]) -> str:
+    return " … ".join("?" if one is None else number(one, 4) for one in ends)
+
+
+def load_diagnosis(path: str | Path, *, effects: Sequence[Given] = ()) -> LoadedDiagnosis:
+    """Read a diagnosis.json, to look at it or to predict with it.
+
+    Args:
+        path: of the file, or of the folder that it is in.
+        effects: effects of your own that it was made with, as Python files or as `Effect` objects.
+
+    Raises:
+        InputError: it is no diagnosis.json that this version can use.
+    """
+    path = Path(path)
+    return LoadedDiagnosis(read_record(path), path / FILE if path.is_dir() else path, effects)

@@ -1,0 +1,403 @@
+"""diagnosis.json as one model: what `harness diagnose` writes, what `harness predict` and `harness replay` read.
+
+Its JSON Schema is harness/data/diagnosis.schema.json (`make schema`). Everything is in SI units, intervals are 95 %
+intervals, and what is not a finite number is null.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from harness.errors import InputError
+
+SCHEMA = 2
+"""Version of the format."""
+FILE = "diagnosis.json"
+SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
+
+DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _null(value: Any) -> Any:
+    return None if isinstance(value, float) and not abs(value) < float("inf") else value
+
+
+Number = Annotated[Finite | None, BeforeValidator(_null)]
+"""A number that may not exist."""
+
+
+class Part(BaseModel):
+    """A part of the record; it is read from JSON, or from the attributes of a dataclass."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, from_attributes=True, populate_by_name=True, defer_build=True
+    )
+
+
+class ParameterRecord(Part):
+    """A fitted parameter: value, 95 % interval, unit."""
+
+    value: Finite
+    low: Number
+    high: Number
+    unit: str
+
+    @property
+    def interval(self) -> tuple[float | None, float | None]:
+        """Low and high end of the 95 % interval; `None` where the recordings do not bound it."""
+        return self.low, self.high
+
+
+class EffectRecord(Part):
+    """An effect that was found; `effect["coefficient"]` is its parameter of that name."""
+
+    name: str
+    parameters: dict[str, ParameterRecord]
+    indistinguishable_from: tuple[str, ...]
+
+    def __getitem__(self, parameter: str) -> ParameterRecord:
+        return self.parameters[parameter]
+
+
+class ShapeRecord(Part):
+    """The nodes of an unlisted law: `values` [`unit`] at places `at` of what it depends on."""
+
+    at: tuple[Finite, ...]
+    values: tuple[Finite, ...]
+    unit: str
+    friction: bool
+    low: Finite
+    step: Finite
+
+
+class UnlistedRecord(Part):
+    """A law that the catalogue does not list; what it depends on, strongest first."""
+
+    depends_on: tuple[DependsName, ...]
+    shape: ShapeRecord
+
+
+class DependenceRecord(Part):
+    """Test of innovations against one input: p, the largest correlation and its lag."""
+
+    p: Finite
+    correlation: Number
+    lag_s: Number
+
+
+class RmsRecord(Part):
+    """RMS prediction errors by horizon [m]."""
+
+    rms_m: dict[str, Number]
+
+
+class ErrorsRecord(RmsRecord):
+    """Errors of CAM, and what its innovations still know."""
+
+    innovation_correlation: Number
+    innovation_over_noise: Number
+    innovation_on_beam: dict[str, DependenceRecord]
+
+
+class BeforeAfterRecord(Part):
+    """Without and with what was found."""
+
+    before: ErrorsRecord
+    after: ErrorsRecord
+
+
+class EngineErrorsRecord(RmsRecord):
+    """Errors of an engine's free runs; `failed` is its message where it failed."""
+
+    failed: str | None = None
+
+
+class EngineBeforeAfterRecord(Part):
+    """An engine without and with what was found."""
+
+    before: EngineErrorsRecord
+    after: EngineErrorsRecord
+
+
+class EngineRecord(EngineBeforeAfterRecord):
+    """The same, on the recordings that it was found from and on held-out ones."""
+
+    heldout: EngineBeforeAfterRecord | None = None
+
+
+class AlsoRecord(BeforeAfterRecord):
+    """Errors on a further recording that nothing was fitted to."""
+
+    engines: dict[str, EngineRecord]
+
+
+class AllErrorsRecord(Part):
+    """Errors before and after; `engines_enter` says in words where in the engines' scenes each effect acts."""
+
+    identify: BeforeAfterRecord
+    heldout: BeforeAfterRecord
+    engines: dict[str, EngineRecord]
+    engines_enter: dict[str, str]
+    also: dict[str, AlsoRecord]
+
+
+class MarginRecord(Part):
+    """By how much the model errs less than a baseline [m]; `sure` beyond what the choice of windows may do."""
+
+    value: Finite
+    low: Finite
+    high: Finite
+    sure: bool
+
+
+class BaselinesRecord(Part):
+    """Held-out windows predicted by the model and by the baselines `double_integrator` and `output_error`."""
+
+    known_s: Finite
+    ahead_s: Finite
+    windows: int
+    rms_m: dict[str, Number]
+    windows_won: dict[str, int]
+    better_by_m: dict[str, MarginRecord | None]
+
+
+class EvidenceRecord(Part):
+    """What a decision rests on beside its two fits (`harness.identify.selection.criterion.Evidence`), fits by name."""
+
+    winner: str | None = None
+    holder: str | None = None
+    without: tuple[str, ...] = ()
+    before: tuple[Number, ...] = ()
+    after: tuple[Number, ...] = ()
+    tests: int = 1
+    nested: bool = False
+
+
+class LedgerLine(Part):
+    """One decision of the search; `fit` and `against` name the fits that were compared, `hash` covers the line."""
+
+    effect: str
+    tried: tuple[str, ...]
+    beside: tuple[str, ...]
+    gain: Number
+    kept: bool
+    because: str
+    rule: str
+    fit: str
+    against: str
+    evidence: EvidenceRecord
+    hash: str = ""
+
+
+class SplineTermRecord(Part):
+    """A spline term but for the values of its nodes."""
+
+    depends: DependsName
+    friction: bool
+    low: Finite
+    step: Finite
+    nodes: int
+
+
+class FittedEffect(Part):
+    """An effect of a fit, with its law in a line."""
+
+    name: str
+    law: str
+
+
+class FitRecord(Part):
+    """A fit of the ledger: hypothesis, scaled parameters, and how well it predicts."""
+
+    effects: tuple[FittedEffect, ...]
+    spline_term: SplineTermRecord | None
+    parameters: tuple[Finite, ...]
+    process_noise_m2_s3: Finite
+    deviance: Number
+    criterion: Number
+
+
+class SourcesRecord(Part):
+    """SHA-256 of every input file, and versions of the software."""
+
+    hashes: dict[str, str]
+    versions: dict[str, str]
+
+
+class InputsRecord(SourcesRecord):
+    """The same with the further recordings (`also`) and the seed of the draws."""
+
+    also: dict[str, str]
+    seed: int
+
+
+class RigRecord(Part):
+    """A complete rig, as `analytic.rig.Rig`."""
+
+    mass: Finite
+    inertia: Finite
+    radius: Finite
+    rolling_radius: Finite
+    eccentricity: Finite
+    gravity: Finite
+    level_angle: Finite
+    friction_coefficient: Finite
+    transition_velocity: Finite
+
+
+class SensorsRecord(Part):
+    """What is known of the sensors, as `harness.recording.Sensors`."""
+
+    angle_resolution: Number = None
+    angle_noise: Number = None
+    position_noise: Number = None
+    position_resolution: Number = None
+
+
+class ActingRecord(Part):
+    """A declared effect with its values."""
+
+    name: str
+    values: dict[str, Finite]
+
+
+class ProblemRecord(Part):
+    """What determines every fit and decision."""
+
+    inputs: SourcesRecord
+    recordings: tuple[str, ...]
+    readings: int
+    reading_variance_m2: Finite
+    baseline: str
+    rig: RigRecord
+    declared: tuple[ActingRecord, ...]
+    settings: dict[str, int | float]
+    hash: str = ""
+
+
+class ModelRecord(Part):
+    """The identified model: everything that a prediction needs."""
+
+    rig: RigRecord
+    sensors: SensorsRecord
+    declared: tuple[ActingRecord, ...]
+    effects: tuple[str, ...]
+    spline_term: SplineTermRecord | None
+    parameters: tuple[Finite, ...]
+    phases: int = Field(ge=1)
+    covariance: tuple[tuple[Number, ...], ...]
+    process_noise_m2_s3: Finite
+    reading_variance_m2: Finite
+
+
+class LedgerRecord(Part):
+    """The search: every decision, the fits that were compared, and the problem that they are fits to."""
+
+    ledger: tuple[LedgerLine, ...]
+    fits: dict[str, FitRecord]
+    problem: ProblemRecord
+
+
+class SeparationRecord(Part):
+    """How far two explanations are apart [σ]."""
+
+    found: str
+    rival: str
+    at_hand: Number
+    expected: Number
+    needed: Number
+    told: bool
+
+
+class LimitsRecord(Part):
+    """What the rig is taken to be able to do."""
+
+    ball_position_m: tuple[Finite, Finite]
+    beam_angle_rad: Finite
+    beam_rate_rad_s: Finite
+    beam_acceleration_rad_s2: Finite
+
+
+class NextExperimentRecord(Part):
+    """The experiment that would tell the most; its beam angle is in `file`."""
+
+    profile: str
+    does: str
+    sentence: str
+    file: str
+    duration_s: Finite
+    separations: tuple[SeparationRecord, ...]
+    tried: dict[str, Number]
+    open_loop_drift_m: Number
+    limits: LimitsRecord
+
+
+class DiagnosisRecord(Part):
+    """diagnosis.json."""
+
+    version: Literal[2] = Field(default=2, alias="schema", description="Version of this format.")
+    verdict: Literal["none", "effect", "unlisted", "not_identifiable"]
+    sentence: str
+    effects: tuple[EffectRecord, ...]
+    unlisted: UnlistedRecord | None
+    errors: AllErrorsRecord
+    hidden_by_unknown_rig: tuple[str, ...]
+    baselines: BaselinesRecord | None
+    ledger: tuple[LedgerLine, ...]
+    fits: dict[str, FitRecord]
+    problem: ProblemRecord
+    model: ModelRecord
+    inputs: InputsRecord
+    next_experiment: NextExperimentRecord | None
+    wall_time_s: Finite
+
+    def text(self) -> str:
+        """The file's content."""
+        return self.model_dump_json(by_alias=True, indent=2)
+
+
+def read_record(path: Path) -> DiagnosisRecord:
+    """Reads a diagnosis.json, or that of a folder.
+
+    Raises:
+        InputError: it cannot be read, or is not what this version writes.
+    """
+    file = path / FILE if path.is_dir() else path
+    try:
+        text = file.read_bytes()
+        content = json.loads(text)
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror}); give the {FILE} of `diagnose`") from error
+    except ValueError as error:
+        raise InputError(f"{file}: is no diagnosis ({error}); give the {FILE} that `diagnose` wrote") from error
+    version = content.get("schema") if isinstance(content, dict) else None
+    if version is None:
+        raise InputError(f"{file}: is no diagnosis (it has no schema); give the {FILE} that `diagnose` wrote")
+    if version != SCHEMA:
+        raise InputError(
+            f"{file}: is no diagnosis that this version can use (schema {version}, not {SCHEMA}); diagnose anew"
+        )
+    try:
+        return DiagnosisRecord.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        raise InputError(
+            f"{file}: is no diagnosis that this version can use ({where}: {first['msg']}); diagnose anew"
+        ) from error
+
+
+def schema_text() -> str:
+    """The format's JSON Schema."""
+    schema = DiagnosisRecord.model_json_schema(by_alias=True, mode="serialization")
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": FILE}
+    return json.dumps(head | schema | {"title": FILE}, indent=2, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")
