@@ -1,4 +1,4 @@
-"""The errors a user meets. Each carries one message that says what is wrong, where, and what to do."""
+"""Errors for the user; each message names fault, place and remedy."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Tolerance checks of a case as pytest tests: `pytest --case DIR --set mujoco.friction=0.3`.
 
-Every pytest run in the environment imports this module, so that it imports nothing heavy until a case is named.
+Every pytest run in the environment imports this module; heavy imports are therefore deferred until a case is named.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ _INSPECTION = pytest.StashKey["Inspection"]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the options, as `harness run` has them."""
+    """Add the options, named as in `harness run`."""
     group = parser.getgroup("harness", "tolerance checks of a ball-and-beam case")
     group.addoption(
         "--case",
         dest="harness_case",
         metavar="DIR",
         help=f"check the limits of this case: a folder, its rig.toml or a CSV recording; `{BUNDLED}` for the bundled "
-        "one. Without test files named beside it, nothing else is collected.",
+        "one. Unless test files are named too, nothing else is collected.",
     )
-    group.addoption("--recording", dest="harness_recording", metavar="NAME", help="which recording of the case")
+    group.addoption("--recording", dest="harness_recording", metavar="NAME", help="recording of the case to check")
     group.addoption(
         "--set",
         dest="harness_set",
@@ -43,7 +43,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="set a contact parameter, as in mujoco.friction=0.3; repeatable",
     )
     group.addoption(
-        "--parameters", dest="harness_parameters", metavar="FILE", help="contact parameters, a TOML table an engine"
+        "--parameters", dest="harness_parameters", metavar="FILE", help="contact parameters, one TOML table per engine"
     )
     group.addoption(
         "--engine",
@@ -66,14 +66,14 @@ def pytest_configure(config: pytest.Config) -> None:
     if _wanted(config, "case") is None:
         given = [name for name in ("recording", "set", "parameters", "engine", "tolerances") if _wanted(config, name)]
         if given:
-            raise pytest.UsageError(f"--{given[0]} needs --case DIR: it says how a case is checked")
+            raise pytest.UsageError(f"--{given[0]} needs --case DIR")
     elif config.args_source is not pytest.Config.ArgsSource.ARGS:
         config.args = []
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Read the case and its limits: what is wrong with them shows before anything runs."""
+    """Read and validate the case and its limits before anything runs."""
     config = session.config
     if _wanted(config, "case") is None:
         return
@@ -93,14 +93,14 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_report_header(config: pytest.Config) -> list[str]:
-    """Say what is checked, against which limits, with which parameters."""
+    """Report header: recording, limits and changed parameters."""
     inspection = config.stash.get(_INSPECTION, None)
     return _header(inspection) if inspection else []
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Add one test a limit, before `-k` and the like select."""
+    """Add one test per limit, before `-k` and similar options select."""
     inspection = config.stash.get(_INSPECTION, None)
     if inspection is None:
         return
@@ -139,13 +139,13 @@ class CaseCollector(pytest.Collector):
     """The case; its children are its limits."""
 
     def collect(self) -> Iterator[LimitItem]:
-        """One test a limit, in the order of the file."""
+        """One test per limit, in the order of the file."""
         for limit in self.config.stash[_INSPECTION].tolerances.limits:
             yield LimitItem.from_parent(self, name=str(limit))
 
 
 class BrokenLimitError(Exception):
-    """A limit is not kept."""
+    """A limit is broken."""
 
     def __init__(self, checked: Checked) -> None:
         super().__init__(checked.text())
@@ -153,13 +153,13 @@ class BrokenLimitError(Exception):
 
 
 class LimitItem(pytest.Item):
-    """One limit; the first that runs has models and engines run."""
+    """The test of one limit; the first one runs models and engines."""
 
     def runtest(self) -> None:
-        """Hold the study to the limit; what was found travels in the report's properties, also into JUnit's file.
+        """Checks the limit; the outcome is stored in the properties of the report, also for JUnit files.
 
         Raises:
-            BrokenLimitError: it is not kept.
+            BrokenLimitError: the limit is broken.
         """
         checked = self.config.stash[_INSPECTION].checks[self.name]
         self.user_properties.extend(asdict(checked).items())
@@ -167,14 +167,14 @@ class LimitItem(pytest.Item):
             raise BrokenLimitError(checked)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Value, limit, margin and what was tweaked; the traceback would say nothing of the rig."""
+        """Value, limit, margin and changed parameters, instead of a traceback."""
         if not isinstance(excinfo.value, BrokenLimitError):
             return super().repr_failure(excinfo, style)
         tweaks = self.config.stash[_INSPECTION].tweaks
         return "\n".join([excinfo.value.checked.outcome(), *(f"set: {tweak}" for tweak in tweaks)])
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Where the limit stands."""
+        """Location and name of the limit."""
         return self.config.stash[_INSPECTION].tolerances.path, None, self.name
 
 
@@ -197,7 +197,7 @@ def _case_path(config: pytest.Config) -> Path:
 
 
 def _case_name(config: pytest.Config, case: Path) -> str:
-    """Relative to the root folder, as pytest names files."""
+    """Path relative to the root folder, as pytest prints files."""
     if case != Path(_wanted(config, "case")):
         return BUNDLED
     path = case.resolve()
@@ -215,7 +215,7 @@ def _header(inspection: Inspection) -> list[str]:
 
 
 def _checked(reporter: pytest.TerminalReporter) -> Iterator[Checked]:
-    """What the reports carry; with pytest-xdist they come from other processes."""
+    """Outcomes from the test reports, which come from other processes with pytest-xdist."""
     from harness.tolerances import Checked
 
     names = {field.name for field in fields(Checked)}

@@ -104,11 +104,11 @@ class Judge:
         Raises:
             ValueError: one of the models diverged.
         """
-        apart = (base.position - other.position)[self._use]
-        if not np.all(np.isfinite(apart)):
+        difference = (base.position - other.position)[self._use]
+        if not np.all(np.isfinite(difference)):
             raise ValueError("a diverged model cannot be compared")
-        by_inputs = np.std(2.0 * np.mean(self._displacement * apart, axis=1))
-        by_noise = 2.0 * self.noise * rms(apart) / np.sqrt(apart.size)
+        by_inputs = np.std(2.0 * np.mean(self._displacement * difference, axis=1))
+        by_noise = 2.0 * self.noise * rms(difference) / np.sqrt(difference.size)
         return base.rms_error**2 - other.rms_error**2, float(np.hypot(by_inputs, by_noise))
 
 

@@ -150,16 +150,21 @@ class _Linearised:
         s, v, v_std = (np.interp(self.nodes, self.time, x) for x in (self.position, self.velocity, self.velocity_std))
         height = self.rig.eccentricity + self.rig.rolling_radius
         load = self.rig.gravity * np.cos(angle) - 2.0 * v * rate - s * angular - height * rate**2  # N/m
-        pull = self.rig.gravity * np.sin(angle + level) + s * rate**2
+        drive = self.rig.gravity * np.sin(angle + level) + s * rate**2
         held = (np.abs(v) < np.maximum(3.0 * v_std, _STOPPING_SPEED)) & (
-            np.abs(pull - lever * angular) < friction * load
+            np.abs(drive - lever * angular) < friction * load
         )
         self.moves = np.where(held, 0.0, 1.0)
         # erf is the expected sign of a velocity with standard deviation v_std
         friction_per_f = -load * erf(v / (math.sqrt(2.0) * v_std))
         self.angle_gain = K * self.rig.gravity * np.cos(angle + level)
         self.angular_gain = K * lever
-        slopes = (pull - lever * angular + friction * friction_per_f, self.angle_gain, -K * angular, K * friction_per_f)
+        slopes = (
+            drive - lever * angular + friction * friction_per_f,
+            self.angle_gain,
+            -K * angular,
+            K * friction_per_f,
+        )
         found = np.array([integrate_twice(self.grid, self.moves * slope) for slope in slopes])
         self.run = K * found[0]  # position and velocity, shape (2, n)
         self.slopes = found  # shape (4, 2, n)

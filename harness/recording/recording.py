@@ -141,7 +141,7 @@ def _position_findings(
                 "warning",
                 where,
                 f"{int(outlier.sum())} of {int(known.sum())} positions are outliers "
-                f"({rows_text(rows[outlier])}). They are kept but excluded from metrics and fits; check the sensor.",
+                f"({rows_text(rows[outlier])}). They are kept and marked; check the sensor.",
             )
         )
     return findings
