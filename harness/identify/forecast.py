@@ -51,7 +51,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     what the fit leaves open.
     """
     best = filtered(problem, found, record, reading)
-    variance = best.doubt * best.gain**2
+    variance = best.position_variance * best.gain**2
     count = len(found.numbers)
     if count:
         scale = found.hypothesis.scale(problem)

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.hypothesis import Hypothesis
-from harness.identify.innovations import penalty
+from harness.identify.innovations import negative_two_log_likelihood, penalty
 from harness.identify.problem import Problem
 
 
@@ -19,23 +19,22 @@ class Misses:
         self._latest: tuple[bytes, FloatArray, FloatArray] | None = None
 
     def _predicted(self, numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Ratios and log variances, shape (readings,) each; the latest are kept, because slopes ask for them again."""
+        """Innovations [m] and variances [m²], shape (readings,) each; the latest are kept, for slopes ask again."""
         key = numbers.tobytes()
         if self._latest is None or self._latest[0] != key:
             at = self._hypothesis.read(numbers, self._problem)
-            miss, spread = self._problem.predict(at.effects, at.phases, self.density, at.shape)
-            self._latest = key, miss / np.sqrt(spread), np.log(spread)
+            self._latest = key, *self._problem.predict(at.effects, at.phases, self.density, at.shape)
         return self._latest[1:]
 
     def at(self, numbers: FloatArray) -> FloatArray:
         """Signed roots of the penalties, shape (readings,)."""
-        ratio, _ = self._predicted(numbers)
+        innovation, variance = self._predicted(numbers)
+        ratio = innovation / np.sqrt(variance)
         return np.sign(ratio) * np.sqrt(penalty(ratio))
 
     def deviance(self, numbers: FloatArray) -> float:
         """−2 log likelihood, but for a constant."""
-        ratio, log_spread = self._predicted(numbers)
-        return float(np.sum(log_spread + penalty(ratio)))
+        return negative_two_log_likelihood(*self._predicted(numbers))
 
     def slopes(self, numbers: FloatArray, step: FloatArray | float) -> FloatArray:
         """Differences of `at` over a step of each number, shape (readings, k)."""

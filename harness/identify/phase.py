@@ -7,7 +7,7 @@ from scipy.optimize import minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.fit import Fit
-from harness.identify.innovations import penalty
+from harness.identify.innovations import negative_two_log_likelihood
 from harness.identify.problem import Problem, Record
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)  # where φ₀ is looked for first
@@ -26,7 +26,7 @@ def phase_of(problem: Problem, found: Fit, record: Record, reading: FloatArray) 
 
     def deviance(phase: float) -> float:
         out = problem.filtered(record, found.best.effects, phase, found.density, found.best.shape, reading)
-        return float(np.sum(np.log(out.spread[use]) + penalty(out.miss[use] / np.sqrt(out.spread[use]))))
+        return negative_two_log_likelihood(out.innovation[use], out.innovation_variance[use])
 
     near = min(_TURN, key=deviance)
     found_at = minimize_scalar(deviance, bounds=(near - _TURN[1], near + _TURN[1]), method="bounded")

@@ -15,7 +15,13 @@ from analytic.models import CAM, ORIGIN, Model
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
 from harness.drive import Drive
-from harness.identify.innovations import innovations, penalty
+from harness.identify.innovations import (
+    BeamTable,
+    Readings,
+    Sensor,
+    extended_kalman_filter,
+    negative_two_log_likelihood,
+)
 from harness.identify.shape import Shape
 from harness.prescribed import nodes
 
@@ -101,16 +107,16 @@ class Filtered:
     """A recording through the filter.
 
     Attributes:
-        miss, spread: innovation [m] and its variance [m²], shape (n,).
-        state: filtered s [m], ṡ [m/s], what effects remember, and the lagging reading [m], shape (n, 4).
-        doubt: variance of the position that the sensor sees, shape (n,) [m²].
+        innovation, innovation_variance: shape (n,) [m], [m²].
+        state: filtered s [m], ṡ [m/s], what effects remember, and the lagging position [m], shape (n, 4).
+        position_variance: of the position that the sensor sees, shape (n,) [m²].
         gain, lag: of the sensor [1], [s].
     """
 
-    miss: FloatArray
-    spread: FloatArray
+    innovation: FloatArray
+    innovation_variance: FloatArray
     state: FloatArray
-    doubt: FloatArray
+    position_variance: FloatArray
     gain: float
     lag: float
 
@@ -200,36 +206,21 @@ class Problem:
         """
         gain, lag = self.sensor(effects)
         p, table = self.dynamics(record, effects, phase, shape)
-        n = len(record.time)
-        out = Filtered(np.empty(n), np.empty(n), np.empty((n, 4)), np.empty(n), gain, lag)
-        innovations(
-            record.time,
-            record.reading if reading is None else reading,
-            record.grid.steps,
-            record.grid.marks,
-            table,
-            p,
-            gain,
-            lag,
-            density,
-            self.noise,
-            out.miss,
-            out.spread,
-            out.state,
-            out.doubt,
-        )
-        return out
+        readings = Readings(record.time, record.reading if reading is None else reading)
+        beam = BeamTable(record.grid.steps, record.grid.marks, table)
+        out = extended_kalman_filter(readings, beam, p, Sensor(gain, lag, self.noise), density)
+        return Filtered(*out, gain, lag)
 
     def predict(
         self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Innovations over all recordings and their variances, both of shape (readings,) [m], [m²]."""
-        misses, spreads = [], []
+        innovations, variances = [], []
         for record, phase in zip(self.records, phases, strict=True):
             found = self.filtered(record, effects, float(phase), density, shape)
-            misses.append(found.miss[record.judged])
-            spreads.append(found.spread[record.judged])
-        return np.concatenate(misses), np.concatenate(spreads)
+            innovations.append(found.innovation[record.judged])
+            variances.append(found.innovation_variance[record.judged])
+        return np.concatenate(innovations), np.concatenate(variances)
 
     def deviance(
         self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
@@ -243,8 +234,8 @@ class Problem:
     ) -> float:
         """−2 log likelihood of one recording's innovations, but for a constant."""
         found = self.filtered(record, effects, phase, density, shape)
-        miss, spread = found.miss[record.judged], found.spread[record.judged]
-        return float(np.sum(np.log(spread) + penalty(miss / np.sqrt(spread))))
+        use = record.judged
+        return negative_two_log_likelihood(found.innovation[use], found.innovation_variance[use])
 
 
 def phased(effects: Sequence[Acting], phase: float) -> tuple[Acting, ...]:

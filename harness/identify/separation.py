@@ -39,14 +39,14 @@ class Noises:
 
     Attributes:
         density: shape (d,), the first is the true one [m²/s³].
-        spread: variance of an innovation, as the filter takes it, shape (d,) [m²].
+        innovation_variance: as the filter takes it, shape (d,) [m²].
         cost: what each reading adds to the deviance beyond what it adds at the true density, shape (d,).
         poles: denominator of the transfer from the path's error to innovations, shape (d, 3).
         open: the same with which recordings are filtered, shape (3,).
     """
 
     density: FloatArray
-    spread: FloatArray
+    innovation_variance: FloatArray
     cost: FloatArray
     poles: FloatArray
     open: FloatArray
@@ -58,10 +58,10 @@ class Noises:
         count = max(math.ceil(math.log(_LARGEST / density) / _APART), 0) + 1
         densities = density * np.exp(_APART * np.arange(count))
         each = [_steady(interval, noise, one, density) for one in densities]
-        spread = np.array([one[0] for one in each])
+        variance = np.array([one[0] for one in each])
         cost = np.array([math.log(one[0]) + one[1] / one[0] for one in each])
         poles = np.array([one[2] for one in each])
-        return cls(densities, spread, cost - cost[0], poles, _steady(interval, noise, _OPEN, density)[2])
+        return cls(densities, variance, cost - cost[0], poles, _steady(interval, noise, _OPEN, density)[2])
 
     def filtered(self, misses: FloatArray) -> FloatArray:
         """What innovations, shape (n, c), are at every density, shape (d, n, c)."""
@@ -69,13 +69,13 @@ class Noises:
 
     def deviance(self, misses: FloatArray) -> float:
         """Of mean innovations, shape (n,) [m], beyond that of the true filter, at the density where it is least."""
-        each = self.filtered(misses[:, None])[:, :, 0] / np.sqrt(self.spread)[:, None]
+        each = self.filtered(misses[:, None])[:, :, 0] / np.sqrt(self.innovation_variance)[:, None]
         return float(np.min(penalty(each).sum(axis=1) + self.cost * len(misses)))
 
     def step(self, misses: FloatArray, slopes: FloatArray) -> FloatArray:
         """Of numbers, shape (k,), that takes the deviance furthest down; slopes of the innovations, shape (n, k)."""
         best, least = np.zeros(slopes.shape[1]), math.inf
-        each = self.filtered(np.column_stack((misses, slopes))) / np.sqrt(self.spread)[:, None, None]
+        each = self.filtered(np.column_stack((misses, slopes))) / np.sqrt(self.innovation_variance)[:, None, None]
         for ratio, cost in zip(each, self.cost, strict=True):
             here, slope = ratio[:, 0], ratio[:, 1:]
             step = -np.linalg.pinv(slope.T @ slope, rcond=_RANK, hermitian=True) @ (slope.T @ here)
@@ -90,18 +90,18 @@ def _steady(interval: float, noise: float, density: float, true: float) -> tuple
     F = np.array([[1.0, interval], [0.0, 1.0]])
     white = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
     P = solve_discrete_are(F.T, np.array([[1.0], [0.0]]), density * white, np.array([[noise]]))
-    spread = float(P[0, 0]) + noise
-    gain = F @ P[:, :1] / spread
+    variance = float(P[0, 0]) + noise
+    gain = F @ P[:, :1] / variance
     closed = F - gain @ np.array([[1.0, 0.0]])
     error = solve_discrete_lyapunov(closed, true * white + noise * gain @ gain.T)
-    return spread, float(error[0, 0]) + noise, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
+    return variance, float(error[0, 0]) + noise, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
 
 
 def mean_innovations(problem: Problem, made: Rehearsed, values: Values) -> FloatArray:
     """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
     at = repeated(values)
     out = problem.filtered(made.record, at.effects, float(at.phases[0]), _OPEN, at.shape, made.reading)
-    return out.miss[1:]
+    return out.innovation[1:]
 
 
 def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, rounds: int = 1) -> float:

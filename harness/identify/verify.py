@@ -56,10 +56,10 @@ def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Pr
                 out = filtered(problem, found, record, reading)
                 squares.setdefault(name, []).append((out.recorded - record.reading)[judged] ** 2)
         whole = filtered(problem, found, record, record.reading)
-        ratio = whole.miss / np.sqrt(whole.spread)
+        ratio = whole.innovation / np.sqrt(whole.innovation_variance)
         z = ratio[record.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
-        ratios.append(float(np.mean(whole.miss[record.judged] ** 2) / problem.noise))
+        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.noise))
         beam.append(on_beam(record.time, ratio, record.judged, record.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from harness.identify.innovations import negative_two_log_likelihood
 from harness.identify.profiles import LIBRARY, room_of
 from harness.identify.rehearsal import rehearse
 from harness.identify.separation import Noises, drift, regained
@@ -35,8 +36,8 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     best = radius.rival.best
     run = partial(radius.problem.filtered, made.record, best.effects, 0.0, reading=made.reading)
     for number in (1, 3):
-        direct = run(density=float(noises.density[number])).miss[1:]
-        by_filter = noises.filtered(run(density=1e-4).miss[1:, None])[number, :, 0]
+        direct = run(density=float(noises.density[number])).innovation[1:]
+        by_filter = noises.filtered(run(density=1e-4).innovation[1:, None])[number, :, 0]
         later = slice(round(2.0 / room.interval), None)
         difference = np.sqrt(np.mean((direct - by_filter)[later] ** 2) / np.mean(direct[later] ** 2))
         assert difference < 0.1, number
@@ -63,8 +64,8 @@ def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
         for density in (float(noises.density[0]), float(noises.density[number])):
             out = frictionless.filtered(made.record, (), 0.0, density, None, noisy)
             later = slice(round(4.0 / room.interval), None)  # steady by then
-            deviances.append(np.sum(np.log(out.spread[later]) + out.miss[later] ** 2 / out.spread[later]))
-        costs.append((deviances[1] - deviances[0]) / len(out.spread[later]))
+            deviances.append(negative_two_log_likelihood(out.innovation[later], out.innovation_variance[later]))
+        costs.append((deviances[1] - deviances[0]) / len(made.record.time[later]))
     error = np.std(costs) / math.sqrt(len(costs))
     assert noises.cost[number] > 10.0 * error  # else the comparison would say nothing
     assert abs(np.mean(costs) - noises.cost[number]) < 3.0 * error
