@@ -78,6 +78,7 @@ def test_cases_are_fitted_and_forecast(folder: Path) -> None:
         for key, value in one["parameters"].items():
             reach = 1.96 * INFLATION * found.deviations()[one["name"], key]
             assert abs(found.values()[one["name"], key] - value) < reach, key
+            assert reach < 0.03 * abs(value), key  # what the prediction below is allowed for it
     record, _ = record_of(case, case.recordings["rec_03.csv"], problem.rig)
     made = forecast(problem, found, record, record.reading)
     true = pd.read_csv(folder / "rec_03_true.csv")["ball_position_m"].to_numpy()
