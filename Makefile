@@ -80,11 +80,11 @@ scenes: $(INSTALLED) ## write mjcf/*.xml and urdf/*.urdf anew
 
 .PHONY: recording
 recording: $(INSTALLED) ## simulate the bundled recording anew
-	$(BIN)/python -m harness.virtual_rig.bundled
+	$(BIN)/python -m harness.simulator.bundled
 
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
-	$(BIN)/python -m harness.calibration --jobs $(JOBS) $(ARGS)
+	$(BIN)/python -m harness.benchmark --jobs $(JOBS) $(ARGS)
 
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock

@@ -191,9 +191,9 @@ def _case_path(config: pytest.Config) -> Path:
     given = Path(_wanted(config, "case"))
     if str(given) != BUNDLED or given.exists():
         return given
-    from harness import cli
+    from harness.recording import case as cases
 
-    return cli.BUNDLED
+    return cases.BUNDLED
 
 
 def _case_name(config: pytest.Config, case: Path) -> str:

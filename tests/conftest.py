@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+
+from tests.posed import Posed, pose
+from tests.shared_data import SHARED
 
 Establish = Callable[..., None]
 _KEY = "accuracy"
@@ -19,6 +23,20 @@ def establish(record_property: Callable[[str, object], None]) -> Establish:
         assert measured <= tolerance, f"{quantity} against {reference}: {measured:.3g} {unit}, allowed {tolerance:g}"
 
     return one
+
+
+@pytest.fixture(scope="session")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Posed:
+    """Nothing is hidden; a third recording is to be predicted."""
+    return pose(tmp_path_factory.mktemp("plain") / "case", 0, predict=1)
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder with cases and recordings that are handed out beside the repository."""
+    if not SHARED.is_dir():
+        pytest.skip("the folder ../shared is absent")
+    return SHARED
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

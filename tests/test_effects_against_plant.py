@@ -10,7 +10,7 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
-from harness.virtual_rig import Plant, simulate
+from harness.simulator import Plant, simulate
 from tests.motions import Sines
 
 RIG, MOTION, TIME = Rig(), Sines(), np.arange(1001) / 100.0

@@ -1,8 +1,9 @@
 """The rig as URDF text, for any rig; every length comes from `analytic.geometry`.
 
-The ball touches two capsules ("rails") that stand for the channel's inner top edges. A capsule is the only shape whose
-contact with a sphere PyBullet computes in closed form: boxes are rounded by their margin, meshes bring internal edges.
-The channel itself, the bearing and the base plate are drawn only.
+The ball touches two square bars ("rails") that stand for the channel's inner top edges. Each bar turns a face to the
+ball, so that the face is tangent to the ball on the edge: same contact point, same normal. URDF 1.0 has no capsule,
+PyBullet makes a cylinder a 32-sided hull and adds 1 mm, and it rounds the edges of a box by a margin; the middle of a
+face stays where it is. The channel itself, the bearing and the base plate are drawn only.
 
 `python -m urdf.scene` writes `ball_beam.urdf` and `ball.urdf` for the paper's rig.
 """
@@ -20,7 +21,7 @@ BEAM_FILE = Path(__file__).with_name("ball_beam.urdf")
 BALL_FILE = Path(__file__).with_name("ball.urdf")
 PIVOT, CHORD_X, CHORD_Z = "pivot", "chord_x", "chord_z"  # names of the joints
 
-TUBE_RADIUS = 0.001  # of the rails [m]: a lip that fits into a 2 mm wall; the ball's path does not depend on it
+RAIL_WIDTH = 0.002  # of the rails' square section [m]: as wide as the wall; the ball's path does not depend on it
 BEAM_INERTIA = 1e6  # mass [kg] and inertia [kg m²]: the ball's reaction turns the beam by less than 1e-12 rad a step
 
 # The drawn stand; nothing touches it [m].
@@ -37,25 +38,22 @@ ALUMINIUM, STEEL, STAND, BASE = "0.78 0.80 0.83 1", "0.45 0.47 0.50 1", "0.25 0.
 Vector = tuple[float, float, float]
 
 
-def rail_axis(rig: Rig, tube_radius: float = TUBE_RADIUS) -> tuple[float, float]:
-    """|y| and z of the rails' axes [m] in the beam frame.
+def rail_axis(rig: Rig, depth: float = 0.5 * RAIL_WIDTH) -> tuple[float, float]:
+    """|y| and z of the rails' axes [m] in the beam frame, for rails whose surface lies `depth` [m] from the axis.
 
-    Ball and tube touch where their centres' line meets both surfaces. With the tube's axis at a distance R + ρ from the
-    ball's centre, along the contact normal of the sharp edge, the contact point is that edge for every ρ.
+    With the axis at a distance R + depth from the ball's centre, along the contact normal of the sharp edge, a tube of
+    that radius and a bar with that half width, one face across the normal, both touch the ball on the edge.
     """
-    stretch = (rig.radius + tube_radius) / rig.radius
+    stretch = (rig.radius + depth) / rig.radius
     return rig.half_gap * stretch, rig.eccentricity + rig.rolling_radius * (1.0 - stretch)
 
 
-def beam_urdf(
-    rig: Rig, channel: Channel | None = None, *, tube_radius: float = TUBE_RADIUS, driven: bool = False
-) -> str:
+def beam_urdf(rig: Rig, channel: Channel | None = None, *, driven: bool = False) -> str:
     """URDF of stand and beam.
 
     Args:
         rig: the rig.
         channel: its channel; `None` draws the paper's.
-        tube_radius: ρ of the rails [m].
         driven: what `harness.engines.pybullet` steps: nothing drawn, and between base and pivot two sliding
             joints, `chord_x` and `chord_z`, which stay at zero and only lend the beam a surface velocity.
     """
@@ -70,11 +68,11 @@ def beam_urdf(
         parent = f"carriage_{name}"
     beam = _link(robot, "beam", mass=BEAM_INERTIA, inertia=BEAM_INERTIA)
     _joint(robot, PIVOT, "continuous", parent, "beam", axis="0 1 0")
-    across, height = rail_axis(rig, tube_radius)
-    for y in (across, -across):
+    across, height = rail_axis(rig)
+    for side in (1.0, -1.0):
         rail = ElementTree.SubElement(beam, "collision")
-        _origin(rail, (channel.centre, y, height), turn=(0.0, math.pi / 2, 0.0))
-        _shape(rail, "capsule", radius=tube_radius, length=channel.length)
+        _origin(rail, (channel.centre, side * across, height), turn=(side * rig.contact_angle, 0.0, 0.0))
+        _box(rail, (channel.length, RAIL_WIDTH, RAIL_WIDTH))
     if not driven:
         _draw_channel(beam, channel)
         _draw_stand(base, channel)
@@ -108,12 +106,12 @@ def _draw_channel(beam: ElementTree.Element, channel: Channel) -> None:
     middle = channel.edge_height - 0.5 * channel.wall_height
     for side in (1.0, -1.0):
         wall = (channel.centre, side * (channel.half_gap + 0.5 * channel.wall_thickness), middle)
-        _box(beam, (channel.length, channel.wall_thickness, channel.wall_height), wall, "aluminium", ALUMINIUM)
+        _draw_box(beam, (channel.length, channel.wall_thickness, channel.wall_height), wall, "aluminium", ALUMINIUM)
         low, high = min(floor, -2 * AXLE_RADIUS), max(channel.edge_height - channel.wall_thickness, 2 * AXLE_RADIUS)
         bracket = (0.0, side * (outer + 0.5 * PLATE_THICKNESS), 0.5 * (low + high))
-        _box(beam, (BRACKET_WIDTH, PLATE_THICKNESS, high - low), bracket, "steel", STEEL)
+        _draw_box(beam, (BRACKET_WIDTH, PLATE_THICKNESS, high - low), bracket, "steel", STEEL)
     bottom = (channel.centre, 0.0, floor - 0.5 * channel.floor_thickness)
-    _box(beam, (channel.length, 2 * outer, channel.floor_thickness), bottom, "aluminium", ALUMINIUM)
+    _draw_box(beam, (channel.length, 2 * outer, channel.floor_thickness), bottom, "aluminium", ALUMINIUM)
     axle = ElementTree.SubElement(beam, "visual")
     _origin(axle, (0.0, 0.0, 0.0), turn=(math.pi / 2, 0.0, 0.0))
     _shape(axle, "cylinder", radius=AXLE_RADIUS, length=2 * (outer + 3 * PLATE_THICKNESS))
@@ -126,9 +124,9 @@ def _draw_stand(base: ElementTree.Element, channel: Channel) -> None:
     top = 3 * AXLE_RADIUS
     for side in (1.0, -1.0):
         size = (2 * BRACKET_WIDTH, PLATE_THICKNESS, BASE_DROP + top)
-        _box(base, size, (0.0, side * cheek, 0.5 * (top - BASE_DROP)), "stand", STAND)
+        _draw_box(base, size, (0.0, side * cheek, 0.5 * (top - BASE_DROP)), "stand", STAND)
     plate = (channel.centre, 0.0, -BASE_DROP - 0.5 * BASE_THICKNESS)
-    _box(base, (channel.length, BASE_WIDTH, BASE_THICKNESS), plate, "base", BASE)
+    _draw_box(base, (channel.length, BASE_WIDTH, BASE_THICKNESS), plate, "base", BASE)
 
 
 def _link(robot: ElementTree.Element, name: str, *, mass: float, inertia: float) -> ElementTree.Element:
@@ -150,12 +148,15 @@ def _joint(
     return joint
 
 
-def _box(link: ElementTree.Element, size: Vector, centre: Vector, material: str, colour: str) -> None:
+def _draw_box(link: ElementTree.Element, size: Vector, centre: Vector, material: str, colour: str) -> None:
     visual = ElementTree.SubElement(link, "visual")
     _origin(visual, centre)
-    geometry = ElementTree.SubElement(visual, "geometry")
-    ElementTree.SubElement(geometry, "box", size=_numbers(size))
+    _box(visual, size)
     _paint(visual, material, colour)
+
+
+def _box(element: ElementTree.Element, size: Vector) -> None:
+    ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), "box", size=_numbers(size))
 
 
 def _shape(element: ElementTree.Element, kind: str, **lengths: float) -> None:

@@ -27,7 +27,7 @@ from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, spin_a
 from harness.engines.protocol import EngineParameters, EngineRun
 from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, judge, limits_of
 from harness.errors import InputError
-from urdf.scene import TUBE_RADIUS, rail_axis
+from urdf.scene import rail_axis
 
 ERROR_REDUCTION = 0.01  # share of an overlap removed in a step, fixed in DART
 SINK = 0.03  # of g dt²; what the chord velocities leave over is below a third of it, so the contact never opens
@@ -38,7 +38,7 @@ class DartParameters(EngineParameters):
 
     friction: float = Field(0.5, ge=0.0, le=10.0, description="friction coefficient of ball and rails [1]")
     restitution: float = Field(0.0, ge=0.0, le=1.0, description="restitution coefficient of ball and rails [1]")
-    tube_radius: float = Field(TUBE_RADIUS, gt=0.0, le=0.02, description="radius of the capsules along the edges [m]")
+    tube_radius: float = Field(0.001, gt=0.0, le=0.02, description="radius of the capsules along the edges [m]")
     slip_limit: float = Field(
         0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
     )

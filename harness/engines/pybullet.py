@@ -1,4 +1,4 @@
-"""PyBullet: the ball between two capsules of a hinge that is set to the recorded angle every step.
+"""PyBullet: the ball between two rails of a hinge that is set to the recorded angle every step.
 
 What has to be right for the validated accuracy, each with a test in `tests/engines/test_pybullet.py`: no damping on any
 body (0.04 a second by default), a hinge with the mean rate of the step as its surface velocity, ball velocities that
@@ -23,7 +23,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-import pybullet
 from pydantic import Field, model_validator
 
 from analytic.geometry import RAIL_REACH, channel_of, to_world
@@ -31,9 +30,13 @@ from analytic.motion import BallForce, BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, spin_angle_of, start_of, track_of
 from harness.engines.protocol import EngineParameters, EngineRun
+from harness.engines.stderr import without_lines
 from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, judge, limits_of
 from harness.errors import HarnessError, InputError
-from urdf.scene import CHORD_X, CHORD_Z, PIVOT, TUBE_RADIUS, ball_urdf, beam_urdf
+from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf
+
+with without_lines(b"pybullet build time"):  # a greeting, written from C at the first import
+    import pybullet
 
 NO_SPEED_LIMIT = 1e6  # [rad/s, m/s]
 
@@ -84,7 +87,6 @@ class PyBulletParameters(EngineParameters):
     solver_residual_threshold: float = Field(
         0.0, ge=0.0, le=1.0, description="squared residual at which the solver stops early [1]"
     )
-    tube_radius: float = Field(TUBE_RADIUS, gt=0.0, le=0.02, description="radius of the capsules along the edges [m]")
     slip_limit: float = Field(
         0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
     )
@@ -208,7 +210,7 @@ def _load(rig: Rig, settings: PyBulletParameters, client: int) -> _Scene:
     channel = channel_of(rig, x_from=-RAIL_REACH, x_to=RAIL_REACH)
     with tempfile.TemporaryDirectory() as folder:
         beam_file, ball_file = Path(folder, "beam.urdf"), Path(folder, "ball.urdf")
-        beam_file.write_text(beam_urdf(rig, channel, tube_radius=settings.tube_radius, driven=True), encoding="utf-8")
+        beam_file.write_text(beam_urdf(rig, channel, driven=True), encoding="utf-8")
         ball_file.write_text(ball_urdf(rig), encoding="utf-8")
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         beam = pybullet.loadURDF(str(beam_file), useFixedBase=True, flags=flags, physicsClientId=client)

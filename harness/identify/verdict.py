@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from analytic.rig import Rig
-from harness.identify.attempts import THRESHOLD, Entry, candidates, explained, found_in
-from harness.identify.fit import INFLATION, TWO_SIDED, Fit, fit
-from harness.identify.hypothesis import Hypothesis, size
-from harness.identify.problem import Problem
-from harness.identify.remainder import remainder
-from harness.identify.select import select
-from harness.identify.spread import spread_over
-
-# Rivals whose BIC is this close to the kept effect's are not told apart by the data (Kass and Raftery, JASA 90, 1995:
-# 6 to 10 is strong evidence).
-RIVAL = 6.0
-_UNEXPLAINED = 10.0  # times the angle's floor: something acts for which there is no name and no curve
-_BLIND = 0.5  # share of the catalogue that a typical size of would go unseen, from which on the data cannot tell
+from harness.identify.estimate.covariance import with_interval_covariance
+from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.problem.hypothesis import size
+from harness.identify.problem.problem import Problem
+from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.selection.candidates import candidates, found_in
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger import Line
+from harness.identify.selection.search import Selection, search
 
 
 class Verdict(StrEnum):
@@ -33,115 +27,140 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Finding:
-    """An effect that acts: values, 95 % intervals and units by parameter, and what it cannot be told from."""
+class Estimate:
+    """A parameter's value with its 95 % interval, in `unit`."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class IdentifiedEffect:
+    """An effect that acts: its parameters by name, and the effects that it cannot be told from."""
 
     name: str
-    values: Mapping[str, tuple[float, float, float, str]]
+    parameters: Mapping[str, Estimate]
     indistinguishable_from: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Search:
-    """What was found, before anything is verified.
+class Identification:
+    """What was identified, before anything is validated.
 
     Attributes:
         problem: what was looked at.
         verdict: the answer.
-        findings: the effects found.
+        effects: that act beside the known ones.
         base, found: fits without and with what was found.
-        ledger: every attempt.
-        unseen: effects that would go unseen here at their typical size.
+        ledger: every decision.
+        unseen: effects whose typical size is below the detection limit of these recordings.
     """
 
     problem: Problem
     verdict: Verdict
-    findings: tuple[Finding, ...]
+    effects: tuple[IdentifiedEffect, ...]
     base: Fit
     found: Fit
-    ledger: tuple[Entry, ...]
+    ledger: tuple[Line, ...]
     unseen: tuple[str, ...]
 
+    @property
+    def selection(self) -> Selection:
+        """The fits and the ledger alone."""
+        return Selection(self.base, self.found, self.ledger)
 
-def search(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Search:
-    """Find what acts, and say it."""
-    base = fit(problem, Hypothesis(problem.unknown))
-    listed, ledger = select(problem, base, progress)
-    found = listed
-    if not explained(problem, listed):
-        found, more = remainder(problem, listed, progress)
-        ledger = [*ledger, *more]
-    return judged(problem, base, found, ledger)
+    @property
+    def depends_on(self) -> tuple[Depends, ...]:
+        """What an unlisted law depends on, strongest first; nothing without one.
+
+        First what the spline term depends on, then what any other one does whose BIC is within its threshold of the
+        best: that would not have decided. A friction follows the sign of the velocity beside its own argument.
+        """
+        best = self.found.hypothesis.shape
+        if best is None:
+            return ()
+        criterion = Criterion(self.problem.settings)
+        tried = [one.fit for one in self.ledger if one.rule is Rule.SPLINE]
+        lowest = min((criterion.value(one) for one in tried), default=criterion.value(self.found))
+        near = [one for one in tried if criterion.value(one) - lowest <= self.problem.settings.spline_keep]
+        shapes = [best, *(one.hypothesis.shape for one in sorted(near, key=criterion.value))]
+        return tuple(dict.fromkeys(on for shape in shapes if shape is not None for on in _arguments(shape)))
 
 
-def judged(problem: Problem, base: Fit, found: Fit, ledger: Sequence[Entry]) -> Search:
-    """The verdict on what was found."""
-    found, unseen = spread_over(problem, found), _unseen(ledger, problem.rig)
+def identify(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Identification:
+    """Find what acts, and judge it: what `harness diagnose` says, and what the blind trials calibrate."""
+    return judge(problem, search(problem, progress))
+
+
+def judge(problem: Problem, selection: Selection) -> Identification:
+    """The verdict on what was selected."""
+    criterion = Criterion(problem.settings)
+    found = with_interval_covariance(problem, selection.found)
+    unseen = _unseen(problem, selection.ledger, criterion)
+    names = found_in(problem, found)
     if found.hypothesis.shape is not None:
         verdict = Verdict.UNLISTED
-    elif found_in(problem, found):
+    elif names:
         verdict = Verdict.EFFECT
-    elif found.root_density > _UNEXPLAINED * problem.angle_floor or len(unseen) > _BLIND * len(candidates(problem)):
+    elif criterion.unexplained(problem, found) or len(unseen) > problem.settings.unseen_share * len(
+        candidates(problem)
+    ):
         verdict = Verdict.NOT_IDENTIFIABLE
     else:
         verdict = Verdict.NONE
-    findings = tuple(_finding(name, found, ledger) for name in found_in(problem, found))
-    return Search(
+    return Identification(
         problem=problem,
         verdict=verdict,
-        findings=findings,
-        base=base,
+        effects=tuple(_identified(problem, name, found, selection.ledger) for name in names),
+        base=selection.base,
         found=found,
-        ledger=tuple(ledger),
+        ledger=selection.ledger,
         unseen=unseen,
     )
 
 
-def _finding(name: str, found: Fit, ledger: Sequence[Entry]) -> Finding:
+def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line]) -> IdentifiedEffect:
     deviations = found.deviations()
-    values = {}
-    for effect in found.best.effects:
-        if effect.effect.name != name:
-            continue
-        for parameter in effect.effect.parameters:
-            value = effect.values[parameter.name]
-            reach = TWO_SIDED * INFLATION * float(deviations[name, parameter.name])
-            values[parameter.name] = value, value - reach, value + reach, parameter.unit
-    return Finding(name, values, tuple(sorted(_rivals(name, found, ledger))))
+    (acting,) = (one for one in found.best.effects if one.effect.name == name)
+    parameters = {}
+    for parameter in acting.effect.parameters:
+        value = acting.values[parameter.name]
+        reach = TWO_SIDED * problem.settings.inflation * float(deviations[name, parameter.name])
+        parameters[parameter.name] = Estimate(value, value - reach, value + reach, parameter.unit)
+    rivals = _rivals(name, found, ledger, Criterion(problem.settings))
+    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)))
 
 
-def _rivals(name: str, found: Fit, ledger: Sequence[Entry]) -> set[str]:
-    """What does nearly as well in the place of an effect, or did before it and another took that place."""
+def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> set[str]:
+    """What does nearly as well in the place of an effect, or did before it was split and another took that place."""
     rest = set(found.hypothesis.names) - {name}
-
-    def near(one: Fit) -> bool:
-        if (one.hypothesis.shape is None) != (found.hypothesis.shape is None):
-            return False
-        return (one.score if one.hypothesis.shape is None else one.bic) < RIVAL + (
-            found.score if found.hypothesis.shape is None else found.bic
-        )
-
     rivals: set[str] = set()
-    for entry in ledger:
-        tried = entry.effect.split(" + ")
-        if set(entry.beside) == rest and name not in tried and near(entry.fit):
-            rivals |= set(tried)
-        if entry.kept and entry.rule == "split" and name in tried and near(entry.against):
-            rivals |= set(entry.against.hypothesis.names)
+    for line in ledger:
+        if set(line.beside) == rest and name not in line.effects and criterion.rivals(line.fit, found):
+            rivals |= set(line.effects)
+        replaced = line.kept and line.rule in (Rule.SPLIT, Rule.MERGE) and name in line.effects
+        if replaced and criterion.rivals(line.against, found):
+            rivals |= set(line.against.hypothesis.names)
     return rivals - set(found.hypothesis.names)
 
 
-def _unseen(ledger: Sequence[Entry], rig: Rig) -> tuple[str, ...]:
-    """Effects of which a typical size would have lowered the deviance by less than the price of keeping them."""
-    latest = {entry.effect: entry for entry in ledger if entry.fit.hypothesis.shape is None and not entry.kept}
+def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
+    """Effects of which a typical size is below the detection limit."""
+    latest = {line.title: line for line in ledger if line.fit.hypothesis.shape is None and not line.kept}
     unseen = []
-    for name, entry in latest.items():
-        tried = [one.effect for one in entry.fit.best.effects if one.effect.name == name]
+    for name, line in latest.items():
+        tried = [one.effect for one in line.fit.best.effects if one.effect.name == name]
         if not tried:
             continue
         key = tried[0].parameters[0]
-        deviation = entry.fit.deviations()[name, key.name]
-        price = THRESHOLD + math.log(entry.fit.readings) * len(tried[0].parameters)
-        if not deviation or (size((name, key.name), key, rig) / (INFLATION * deviation)) ** 2 < price:
+        error = problem.settings.inflation * line.fit.deviations()[name, key.name]
+        limit = criterion.detection_limit(line.fit.readings, len(tried[0].parameters))
+        if not error or size((name, key.name), key, problem.rig) / error < limit:
             unseen.append(name)
     return tuple(unseen)
+
+
+def _arguments(shape: Shape) -> list[Depends]:
+    return [shape.depends, Depends.VELOCITY] if shape.friction else [shape.depends]

@@ -14,6 +14,8 @@ from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
 
+BUNDLED = Path(__file__).parents[1] / "data" / "paper_protocol"
+"""The case that ships with the package: simulated, the paper's protocol."""
 RIG_FILE = "rig.toml"
 EXAMPLE = '[recordings] identify = ["rec_01.csv"]'
 PAPER_TEXT = "no rig.toml; the rig of the paper is assumed. Write one to declare another rig, its sensors and effects."

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.models import CAM
-from harness.compare.segments import Horizon
-from harness.compare.study import Study
-from harness.numbers import brief, length, number, plus_minus
+from harness.comparison.horizons import Horizon
+from harness.comparison.study import Study
+from harness.formatting import brief, length, number, plus_minus
 from harness.report.palette import label_of, names
 from harness.report.standing import COVERAGE, Standing, standings
 

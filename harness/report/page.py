@@ -11,7 +11,7 @@ from importlib.resources import files
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from harness.numbers import brief, fixed, length, number, percent
+from harness.formatting import brief, fixed, length, number, percent
 
 
 @dataclass(frozen=True)

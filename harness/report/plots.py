@@ -19,7 +19,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.numbers import brief
+from harness.formatting import brief
 from harness.report.palette import GRID_COLOUR, INK, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]

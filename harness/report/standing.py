@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.compare.segments import Horizon
-from harness.compare.study import Study
+from harness.comparison.horizons import Horizon
+from harness.comparison.study import Study
 
 COVERAGE = 2.0  # standard deviations, as in ASME V&V 20: 95 % of a normal distribution
 SAME = 0.05  # of u_val: two runs closer than this give the same motion for any purpose

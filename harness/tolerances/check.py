@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.models import CAM
-from harness.compare import Setting, Study
-from harness.compare.segments import Horizon
+from harness.comparison import Setting, Study
+from harness.comparison.horizons import Horizon
 from harness.errors import InputError
 from harness.tolerances.limits import Limit, Tolerances
 

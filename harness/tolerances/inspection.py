@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from harness.compare import Choices, Setting, prepare, study
+from harness.comparison import Choices, Setting, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of, read_settings
 from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure, InputError

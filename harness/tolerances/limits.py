@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness.compare import Choices
+from harness.comparison import Choices
 from harness.engines.catalogue import ENGINES
 from harness.metrics import Better, Metric, horizon_name
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.virtual_rig import Plant
-from tests.compare.made import COARSE, KNOWN, sensors, swing, write_case
+from harness.simulator import Plant
+from tests.comparison.made import COARSE, KNOWN, sensors, swing, write_case
 
 
 def write_short_case(folder: Path, *, known: dict[str, float] | None = None, duration: float = 3.0) -> Path:

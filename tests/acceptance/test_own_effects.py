@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.commands.diagnose import input_hashes
+from harness.cli.diagnose import input_hashes
 from harness.recording import load_case
-from harness.virtual_rig import Experiment, write_case
+from harness.simulator import Experiment, write_case
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
 

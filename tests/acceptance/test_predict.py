@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.identify.fit import fit
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.keep import model_record
-from harness.identify.prepare import problem_of
-from harness.outputs import to_json
+from harness.cli.outputs import to_json
+from harness.identify.estimate.fit import fit
+from harness.identify.model_file import model_record
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of
 from harness.recording import load_case
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.virtual_rig import Experiment, write_case
+from harness.simulator import Experiment, write_case
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
 

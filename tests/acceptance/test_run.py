@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.cli import BUNDLED
+from harness.recording.case import BUNDLED
 from tests.acceptance.conftest import Harness, Outcome
 from tests.acceptance.short import write_short_case
-from tests.compare.made import HIDDEN
+from tests.comparison.made import HIDDEN
 
 FILES = {"report.html", "trajectories.csv", "metrics.csv", "manifest.json"}
 COLUMNS = (

@@ -15,7 +15,7 @@ ENGINES_AND_PICTURES = {"mujoco", "pybullet", "dartpy", "matplotlib"}
 NOT_FOR_READING = {"numba", "pandas", "scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.stats"}
 SCRIPT = """
 import json, sys
-from harness.cli import main
+from harness.cli.main import main
 sys.argv[0] = "harness"
 try:
     main()

@@ -11,8 +11,8 @@ from analytic.motion import FloatArray, State
 from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of, parameters_of
-from harness.virtual_rig import Plant
-from harness.virtual_rig import simulate as perform
+from harness.simulator import Plant
+from harness.simulator import simulate as perform
 from tests.conftest import Establish
 from tests.engines.test_dart import needs_dart
 from tests.motions import Sines

@@ -12,7 +12,7 @@ from analytic.motion import FloatArray, State
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.engines.injection import force_of
-from harness.virtual_rig import Plant, simulate
+from harness.simulator import Plant, simulate
 from tests.motions import Fixed, Sines
 
 RIG = Rig()

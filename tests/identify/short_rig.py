@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from analytic.motion import State
-from harness.drive import PathDrive
-from harness.identify.experiment import Pair
-from harness.identify.fit import Fit, fit
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.prepare import problem_of, record_of
-from harness.identify.problem import Problem, Record
-from harness.identify.proposal import NOTHING, Proposal
+from harness.identify.design.choose import Pair
+from harness.identify.design.proposal import NOTHING, Proposal
+from harness.identify.estimate.fit import Fit, fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of, record_of
+from harness.identify.problem.problem import Problem, Record
 from harness.recording import Case, load_case, load_recording
-from harness.virtual_rig import Experiment, write_case
-from harness.virtual_rig.plant import Run, simulate
-from harness.virtual_rig.protocol import record, write_recording
+from harness.signals.drive import PathDrive
+from harness.simulator import Experiment, write_case
+from harness.simulator.plant import Run, simulate
+from harness.simulator.protocol import record, write_recording
 
 ROLLING, LEVEL, RADIUS, GAIN = "rolling_resistance", "level_error", "rolling_radius", "position_gain"
 DECLARED = {ROLLING: {"coefficient": 0.002}}

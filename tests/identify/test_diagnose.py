@@ -11,16 +11,16 @@ import pandas as pd
 import pytest
 
 from harness.identify.diagnosis import diagnose
-from harness.identify.fit import INFLATION, fit
-from harness.identify.forecast import forecast
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.prepare import problem_of, record_of
+from harness.identify.estimate.fit import fit
+from harness.identify.estimate.forecast import forecast
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of, record_of
 from harness.identify.verdict import Verdict
 from harness.recording import load_case
-from tests.identify.conftest import pose
+from tests.posed import pose
+from tests.shared_data import CASES
 
 pytestmark = pytest.mark.slow
-CASES = Path(__file__).resolve().parents[3] / "shared" / "cases"
 needs_shared = pytest.mark.skipif(not CASES.is_dir(), reason="the folder ../shared is absent")
 FOLDERS = sorted(path.parent for path in CASES.glob("*/truth.json"))
 ROLLING = {"rolling_resistance": {"coefficient": 0.004}}
@@ -38,13 +38,13 @@ def test_hidden_effects_are_named(tmp_path: Path, hidden: dict[str, dict[str, fl
     """Name exactly what is hidden: nothing, one effect, or both of two."""
     found = diagnose(pose(tmp_path / "case", 0, hidden).problem)
     assert found.verdict is (Verdict.EFFECT if hidden else Verdict.NONE)
-    assert {one.name for one in found.findings} == set(hidden)
+    assert {one.name for one in found.effects} == set(hidden)
 
 
 def test_a_level_error_as_large_as_the_resistance(tmp_path: Path) -> None:
     """Name both where together they resist one way only, although directional resistance comes close to that."""
     found = diagnose(pose(tmp_path / "case", 0, {**ROLLING, **AS_LARGE}).problem)
-    assert {one.name for one in found.findings} == {"rolling_resistance", "level_error"}
+    assert {one.name for one in found.effects} == {"rolling_resistance", "level_error"}
 
 
 def test_a_gust_is_in_no_catalogue(tmp_path: Path) -> None:
@@ -62,7 +62,7 @@ def test_cases_are_diagnosed(name: str) -> None:
     """Name what the case hides, or what the unlisted force depends on."""
     truth = truth_of(CASES / name)
     found = diagnose(problem_of(load_case(CASES / name))[0])
-    assert {one.name for one in found.findings} == {one["name"] for one in truth["effects"]}
+    assert {one.name for one in found.effects} == {one["name"] for one in truth["effects"]}
     shape = found.found.best.shape
     assert (None if shape is None else str(shape.depends)) == truth["unlisted"]
 
@@ -76,7 +76,7 @@ def test_cases_are_fitted_and_forecast(folder: Path) -> None:
     found = fit(problem, Hypothesis(tuple(one["name"] for one in truth["effects"])))
     for one in truth["effects"]:
         for key, value in one["parameters"].items():
-            reach = 1.96 * INFLATION * found.deviations()[one["name"], key]
+            reach = 1.96 * problem.settings.inflation * found.deviations()[one["name"], key]
             assert abs(found.values()[one["name"], key] - value) < reach, key
             assert reach < 0.03 * abs(value), key  # what the prediction below is allowed for it
     record, _ = record_of(case, case.recordings["rec_03.csv"], problem.rig)

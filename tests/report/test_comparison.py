@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analytic.models import MODELS
-from harness.compare import Choices, prepare, study
+from harness.comparison import Choices, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.engines.health import Failure
 from harness.engines.protocol import EngineParameters

@@ -8,21 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.commands.diagnose import as_record, input_hashes
-from harness.compare.setting import ball_of
-from harness.identify.attempts import Entry
+from harness.cli.diagnose import as_record, input_hashes
+from harness.comparison.setting import ball_of
 from harness.identify.diagnosis import Another, Diagnosis
-from harness.identify.fit import fit
-from harness.identify.hypothesis import Hypothesis
-from harness.identify.independence import SIGNIFICANT
-from harness.identify.prepare import problem_of
-from harness.identify.shape import Depends, blank, visited
-from harness.identify.trace import trace
-from harness.identify.verdict import Finding, Verdict
-from harness.identify.verify import held_out, on_identify, splits
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of
+from harness.identify.problem.spline_term import Depends, blank, visited
+from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.ledger import Line
+from harness.identify.validation.held_out import fit_folds, on_held_out, on_identify
+from harness.identify.validation.residual_acceleration import trace
+from harness.identify.validation.whiteness import SIGNIFICANT
+from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
-from harness.virtual_rig import Experiment, write_case
+from harness.simulator import Experiment, write_case
 
 NAME = "rolling_resistance"
 EXPERIMENT = Experiment(hidden={NAME: {"coefficient": 0.004}}, duration=8.0, seed=1, predict=0)
@@ -43,6 +44,12 @@ def case(tmp_path_factory):
     return load_case(folder)
 
 
+def line(rule, effects, fitted, against, *, kept=False):
+    """A line of the ledger, with the gain by the criterion."""
+    decision = Decision(kept, Criterion().gain(fitted, against), "")
+    return Line(rule, effects, fitted, against, Evidence(), decision)
+
+
 @pytest.fixture(scope="module")
 def diagnosis(case):
     """What `diagnose` would find, its search cut down to the true effect and one rival."""
@@ -50,22 +57,22 @@ def diagnosis(case):
     base = fit(problem, Hypothesis(()))
     found, rival = (fit(problem, Hypothesis((name,)), density=base.density) for name in (NAME, "level_error"))
     value, deviation = found.values()[NAME, "coefficient"], found.deviations()[NAME, "coefficient"]
-    values = {"coefficient": (value, value - 2.0 * deviation, value + 2.0 * deviation, "1")}
+    values = {"coefficient": Estimate(value, value - 2.0 * deviation, value + 2.0 * deviation, "1")}
     ledger = (
-        Entry(NAME, (), base.score - found.score, True, "predicts better", found, base),
-        Entry("level_error", (), base.score - rival.score, False, "less than rolling_resistance", rival, base),
+        line(Rule.ADD, (NAME,), found, base, kept=True),
+        line(Rule.ADD, ("level_error",), rival, base),
     )
-    held = splits(problem, base, found)
+    held = fit_folds(problem, base, found)
     also = Another(on_identify(problem, base, found, lambda _: None), {})
     return Diagnosis(
         problem=problem,
         verdict=Verdict.EFFECT,
-        findings=(Finding(NAME, values, ()),),
+        effects=(IdentifiedEffect(NAME, values, ()),),
         base=base,
         found=found,
         ledger=ledger,
         identify=on_identify(problem, base, found, lambda _: None),
-        heldout=held_out(held),
+        heldout=on_held_out(held),
         engines=ENGINES,
         also={"swing.csv": also},
         unseen=("track_bump",),
@@ -99,11 +106,13 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
 
 def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     """Print the law and both ends of the 95 % interval."""
-    value, low, high, _ = diagnosis.findings[0].values["coefficient"]
+    estimate = diagnosis.effects[0].parameters["coefficient"]
     row = html[html.index("What was missing") :].split("</tr>")[1]
     assert "against rolling, set-valued" in row
     cells = [float(text) for text in re.findall(r"(?<![\d.])0\.00\d+", row)]
-    assert cells == pytest.approx([value, low, high], abs=0.1 * (high - low))  # the width is printed with two digits
+    assert cells == pytest.approx(
+        [estimate.value, estimate.low, estimate.high], abs=0.1 * (estimate.high - estimate.low)
+    )  # the width is printed with two digits
 
 
 def test_errors_stand_by_source_and_horizon(html):
@@ -144,7 +153,7 @@ def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
 def test_rivals_are_weighed(html, diagnosis):
     """A tilt that nobody levelled is no rival to a resistance."""
     table = html[html.index('id="rivals"') : html.index('id="ledger"')]
-    behind = diagnosis.ledger[1].fit.score - diagnosis.found.score
+    behind = Criterion().gain(diagnosis.found, diagnosis.ledger[1].fit)
     assert f"{behind:.1f}" in table
     assert re.search(r"level_error.*<td class=\"text\">yes</td>", table)
 
@@ -181,7 +190,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
 
 def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
-    none = replace(diagnosis, verdict=Verdict.NONE, findings=(), found=diagnosis.base, heldout=diagnosis.heldout)
+    none = replace(diagnosis, verdict=Verdict.NONE, effects=(), found=diagnosis.base, heldout=diagnosis.heldout)
     page = render_diagnosis(none, as_record(none, case, 1.0, input_hashes(case)), case)
     assert "Nothing is missing beyond the noise" in page
     assert "What was missing" not in page
@@ -197,22 +206,22 @@ def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
         fit(problem, Hypothesis((), one), density=base.density) for one in (*curves, curves[0].finer())
     )
     tried = (
-        Entry("curve of position", (), base.bic - found.bic, True, "gains", found, base),
-        Entry("curve of angle", (), base.bic - other.bic, False, "too little", other, base),
-        Entry("finer curve of position", (), found.bic - finer.bic, False, "too little", finer, found, "curve"),
+        line(Rule.SPLINE, (), found, base, kept=True),
+        line(Rule.SPLINE, (), other, base),
+        line(Rule.REFINE, (), finer, found),
     )
     ledger = (*diagnosis.ledger, *tried)
-    unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=ledger)
+    unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=ledger)
     page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
-    assert "the nearest is curve of angle," in page
+    assert "the nearest is spline of angle," in page
 
 
 def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
     curve = blank(Depends.POSITION, False, *visited(diagnosis.problem, Depends.POSITION))
     found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
-    entry = Entry("curve of position", (), diagnosis.base.bic - found.bic, True, "gains", found, diagnosis.base)
-    unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, findings=(), found=found, ledger=(*diagnosis.ledger, entry))
+    entry = line(Rule.SPLINE, (), found, diagnosis.base, kept=True)
+    unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))
     page = render_diagnosis(unlisted, as_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the curve") :].split("</table>")[0]

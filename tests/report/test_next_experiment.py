@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.identify.profiles import LIBRARY, Room
-from harness.identify.proposal import NOTHING, Proposal, Separation
+from harness.identify.design.excitation import LIBRARY, Room
+from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.report.diagnosis.experiment import section
 from harness.report.page import render_page
 

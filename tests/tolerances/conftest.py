@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from harness.compare import Choices, Study, prepare, study
+from harness.comparison import Choices, Study, prepare, study
 from harness.engines.mujoco import MuJoCo
 from harness.engines.mujoco_parameters import MuJoCoParameters
 from harness.engines.protocol import Engine, EngineParameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.cli import BUNDLED
+from harness.recording.case import BUNDLED
 
 BEGIN, END = 7.0, 10.0  # the ball is on its way, and so is the beam: both are felt in a contact [s]
 

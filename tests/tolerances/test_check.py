@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.compare import Study
+from harness.comparison import Study
 from harness.errors import InputError
 from harness.metrics import METRICS
 from harness.tolerances import Checked, Limit, Tolerances, check, render_table

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli import BUNDLED
-from harness.compare import Choices
+from harness.comparison import Choices
 from harness.errors import InputError
 from harness.metrics import METRICS
+from harness.recording.case import BUNDLED
 from harness.tolerances import read_tolerances, tolerances_for
 from harness.tolerances.limits import DIFFERENCES
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli import BUNDLED
-from harness.compare import Study
+from harness.comparison import Study
+from harness.recording.case import BUNDLED
 from harness.tolerances import read_tolerances
 from tests.tolerances.short_case import write_case
 

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pybullet
 import pytest
@@ -61,6 +62,44 @@ def test_ball_touches_the_two_edges(client: int, tmp_path: Path, rig: Rig, angle
         assert normal == pytest.approx(lean, abs=1e-11)  # 1e-13 m over the distance R + ρ of 11 mm
 
 
+def test_another_reader_finds_the_same_contacts() -> None:
+    """Read the committed beam in MuJoCo, put a ball on it, and find the same two contacts."""
+    rig = Rig()
+    spec = mujoco.MjSpec.from_file(str(BEAM_FILE))
+    ball = spec.worldbody.add_body(pos=(0.3, 0.0, rig.eccentricity + rig.rolling_radius), mass=rig.mass)
+    ball.add_freejoint()
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(rig.radius, 0.0, 0.0), margin=1e-9)
+    data = mujoco.MjData(model := spec.compile())
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 2
+    for contact, side in zip(sorted(data.contact, key=lambda point: point.pos[1]), (-1.0, 1.0), strict=True):
+        assert contact.dist == pytest.approx(0.0, abs=1e-13)  # 15 digits in the file, as above
+        assert contact.pos == pytest.approx((0.3, side * rig.half_gap, rig.eccentricity), abs=1e-13)
+
+
+def test_committed_files_roll_as_eq_14_says(client: int) -> None:
+    """Let the ball roll for a second with what the README names set, and nothing else."""
+    rig, angle, step = Rig(), math.radians(1.0), 1e-3
+    beam, ball = load(client, BEAM_FILE, BALL_FILE, rig, angle)
+    pybullet.setPhysicsEngineParameter(
+        fixedTimeStep=step, contactSlop=0.0, solverResidualThreshold=0.0, physicsClientId=client
+    )
+    pybullet.setGravity(0.0, 0.0, -rig.gravity, physicsClientId=client)
+    for body in (beam, ball):
+        pybullet.changeDynamics(body, -1, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
+    along = rig.rolling_ratio * rig.gravity * math.sin(angle)
+    early = -0.5 * step * along  # velocities are those of half a step earlier
+    velocity = early * math.cos(angle), 0.0, -early * math.sin(angle)
+    pybullet.resetBaseVelocity(ball, velocity, (0.0, early / rig.rolling_radius, 0.0), physicsClientId=client)
+    for _ in range(1000):
+        pybullet.resetJointState(beam, 0, angle, physicsClientId=client)
+        pybullet.stepSimulation(client)
+    s, y, z = to_beam(*pybullet.getBasePositionAndOrientation(ball, client)[0], angle)
+    # At constant acceleration, staggered velocities are exact: what is left is rounding, 1e-16 m a step and 1000 steps.
+    assert s - 0.3 == pytest.approx(0.5 * along, abs=1e-12)
+    assert (y, z) == pytest.approx((0.0, rig.eccentricity + rig.rolling_radius), abs=1e-12)
+
+
 def test_committed_files_load_as_the_rig(client: int) -> None:
     """Load the committed files as they are and find the joint, the mass and the inertia of Table 1."""
     rig = Rig()
@@ -92,13 +131,13 @@ def test_drawing_shows_stand_beam_and_ball(client: int) -> None:
     assert sphere.min() < channel.min() < stand.max()  # rows count downwards
 
 
-def test_rails_keep_the_contact_for_any_tube() -> None:
-    """Find the rails' axes at R + ρ from the ball's centre, in line with the edge, for every tube radius."""
+def test_rails_keep_the_contact_for_any_depth() -> None:
+    """Find the rails' axes at R + depth from the ball's centre, in line with the edge, for every depth."""
     rig = Rig()
-    for tube in (1e-4, 1e-3, 1e-2):
-        y, z = rail_axis(rig, tube)
+    for depth in (1e-4, 1e-3, 1e-2):
+        y, z = rail_axis(rig, depth)
         drop = rig.eccentricity + rig.rolling_radius - z
-        assert math.hypot(y, drop) == pytest.approx(rig.radius + tube, rel=1e-14)
+        assert math.hypot(y, drop) == pytest.approx(rig.radius + depth, rel=1e-14)
         assert math.atan2(y, drop) == pytest.approx(rig.contact_angle, rel=1e-12)
 
 

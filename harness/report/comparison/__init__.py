@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from harness.compare.study import Study
+from harness.comparison.study import Study
 from harness.report.comparison import (
     ablation,
     attribution,

@@ -7,8 +7,8 @@ import math
 from markupsafe import Markup
 
 from analytic.models import Reading
-from harness.compare.ablation import Combination
-from harness.numbers import aligned, length, number
+from harness.comparison.ablation import Combination
+from harness.formatting import aligned, length, number
 from harness.report.comparison.friction import READING_LABELS
 from harness.report.comparison.horizons import floor
 from harness.report.comparison.subject import Subject

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
-from harness.compare.attribution import Attribution
-from harness.numbers import length, number, percent
+from harness.comparison.attribution import Attribution
+from harness.formatting import length, number, percent
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import label_of, swatch

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from harness.numbers import fixed, number
+from harness.formatting import fixed, number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import swatch

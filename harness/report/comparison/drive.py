@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.numbers import number
+from harness.formatting import number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from harness.compare.sources import SourceRuns
+from harness.comparison.sources import SourceRuns
 from harness.engines.health import Health
-from harness.numbers import fixed, length, number
+from harness.formatting import fixed, length, number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import label_of, swatch

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from harness.compare.segments import Horizon
-from harness.numbers import number, plus_minus
+from harness.comparison.horizons import Horizon
+from harness.formatting import number, plus_minus
 from harness.report.answer import still_error
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from harness.compare.unknown import Estimate
-from harness.numbers import length, number, plus_minus
+from harness.formatting import length, number, plus_minus
+from harness.preparation.rig_estimate import Estimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from analytic.motion import FloatArray
-from harness.compare.segments import Horizon
-from harness.numbers import number
+from harness.comparison.horizons import Horizon
+from harness.formatting import number
 from harness.report.comparison.subject import Subject
 from harness.report.palette import MEASURED_COLOUR, UNCERTAINTY_COLOUR, look_of
 from harness.report.plots import (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from analytic.models import FRICTION
-from harness.compare.paper import TABLE_2, Verdict
-from harness.compare.segments import Horizon
-from harness.numbers import fixed, number
+from harness.comparison.horizons import Horizon
+from harness.comparison.paper import TABLE_2, Verdict
+from harness.formatting import fixed, number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import label_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from harness.numbers import NONE, brief
+from harness.formatting import NONE, brief
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from analytic.models import CAM
 from analytic.motion import FloatArray
-from harness.numbers import number
+from harness.formatting import number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import INK, label_of, look_of

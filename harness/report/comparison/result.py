@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from harness.errors import EngineFailure
+from harness.formatting import aligned, brief, fixed, plus_minus
 from harness.metrics import Score
-from harness.numbers import aligned, brief, fixed, plus_minus
 from harness.recording.findings import Finding
 from harness.report.answer import answer
 from harness.report.comparison.overlay import overlay

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from harness.compare.segments import Horizon
+from harness.comparison.horizons import Horizon
+from harness.formatting import fixed, number
 from harness.metrics import METRICS
-from harness.numbers import fixed, number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import label_of

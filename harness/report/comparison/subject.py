@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.compare.segments import Horizon
-from harness.compare.study import Study
-from harness.numbers import brief
+from harness.comparison.horizons import Horizon
+from harness.comparison.study import Study
+from harness.formatting import brief
 from harness.report.answer import horizon_text, is_simulated
 from harness.report.standing import Standing, standings
 from harness.tolerances import Checked

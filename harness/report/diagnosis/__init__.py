@@ -8,16 +8,26 @@ from functools import partial
 from harness.identify.diagnosis import Diagnosis
 from harness.parallel import on_all_cores
 from harness.recording import Case
-from harness.report.diagnosis import curve, errors, experiment, inputs, ledger, rivals, trace, verdict, yardsticks
+from harness.report.diagnosis import (
+    baselines,
+    errors,
+    experiment,
+    inputs,
+    ledger,
+    residual_acceleration,
+    rivals,
+    spline_term,
+    verdict,
+)
 from harness.report.diagnosis.account import Account
 from harness.report.page import Badge, Section, render_page
 
 SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
     verdict.section,
-    trace.section,
-    curve.section,
+    residual_acceleration.section,
+    spline_term.section,
     errors.section,
-    yardsticks.section,
+    baselines.section,
     rivals.section,
     experiment.section,
     ledger.section,

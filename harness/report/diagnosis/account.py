@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from harness.ball_state import BallEstimate
-from harness.compare.setting import ball_of
+from harness.comparison.setting import ball_of
+from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
-from harness.identify.problem import Record
-from harness.identify.trace import Trace, trace
-from harness.numbers import brief
+from harness.identify.problem.problem import Record
+from harness.identify.validation.residual_acceleration import Trace, trace
 from harness.recording import Case
 from harness.report.palette import Look
+from harness.signals.ball_state import BallEstimate
 
 MODEL = Look("the model as declared", "#0072B2", (5.0, 2.0), 1.6, 5)
 FOUND = Look("with what was found", "#D55E00", None, 1.6, 6)
@@ -64,7 +64,7 @@ class Account:
     @property
     def changed(self) -> bool:
         """Whether anything was found that acts."""
-        return bool(self.diagnosis.findings) or self.diagnosis.found.hypothesis.shape is not None
+        return bool(self.diagnosis.effects) or self.diagnosis.found.hypothesis.shape is not None
 
     @property
     def shown(self) -> Record:

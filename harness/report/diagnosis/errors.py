@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.identify.in_engines import entries
-from harness.identify.independence import SIGNIFICANT
-from harness.identify.sentence import error_size, words
-from harness.identify.verify import KNOWN, Comparison, Errors
-from harness.numbers import NONE, brief, fixed, number
+from harness.formatting import NONE, brief, fixed, number
+from harness.identify.problem.windows import KNOWN
+from harness.identify.validation.engine_errors import entries
+from harness.identify.validation.held_out import BeforeAfter, Errors
+from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.plots import WIDTH, Picture, picture, plain_log, style
 from harness.report.tables import Column, Row, Table
+from harness.report.wording import error_size, words
 
 _ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
 _INPUTS = {"angle": "α", "rate": "α̇", "acceleration": "α̈"}
@@ -64,7 +65,7 @@ def _heads(account: Account, names: Iterable[str]) -> list[Column]:
     return [column for name in names for column in (Column(f"{name}, before", apart=True), Column("after"))]
 
 
-def _table(account: Account, caption: str, cam: Comparison, engines: Engines) -> Table:
+def _table(account: Account, caption: str, cam: BeforeAfter, engines: Engines) -> Table:
     sources: list[Mapping[str, Mapping[str, float]]] = [{"before": cam.before.rms, "after": cam.after.rms}]
     sources += [{when: one[when]["rms_m"] for when in ("before", "after")} for one in engines.values()]
     names = ["CAM", *(_ENGINES.get(one, one) for one in engines)]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.identify.proposal import FILE, NOTHING, Proposal, sentence
-from harness.numbers import brief, fixed, length
+from harness.formatting import brief, fixed, length
+from harness.identify.design.proposal import FILE, NOTHING, Proposal, sentence
 from harness.report.diagnosis.account import FOUND, Account
 from harness.report.page import Section
 from harness.report.palette import INK

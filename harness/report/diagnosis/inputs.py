@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.numbers import length, number
+from harness.formatting import length, number
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.numbers import fixed
+from harness.formatting import fixed
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
@@ -34,7 +34,7 @@ def _table(account: Account) -> Table:
     rows = [
         Row(
             (
-                f"`{one.effect}`",
+                f"`{one.title}`",
                 ", ".join(f"`{name}`" for name in one.beside) or "the model as declared",
                 fixed(one.gain, 1),
                 "kept" if one.kept else "",

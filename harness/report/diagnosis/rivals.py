@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from harness.identify.attempts import Entry
-from harness.identify.fit import INFLATION
-from harness.identify.verdict import RIVAL, Finding
-from harness.numbers import fixed
+from harness.formatting import fixed
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger import Line
+from harness.identify.verdict import IdentifiedEffect
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
@@ -18,59 +18,59 @@ def section(account: Account) -> Section | None:
     """Rivals; none where nothing was found to have any."""
     if not account.changed:
         return None
-    tables = [_of_effect(account, one) for one in account.diagnosis.findings]
+    tables = [_of_effect(account, one) for one in account.diagnosis.effects]
     if account.diagnosis.found.best.shape is not None:
-        tables += _of_curve(account)
+        tables += _of_spline(account)
     context = {
         "tables": [table for table in tables if table.rows],
-        "near": f"{RIVAL:g}",
-        "counts": fixed(INFLATION**-2, 2),
+        "near": f"{account.diagnosis.problem.settings.rival:g}",
+        "overdispersion": fixed(account.diagnosis.problem.settings.overdispersion, 2),
     }
     return Section("rivals", "Rivals", "Rivals", "diagnosis/rivals.html", context)
 
 
-def _of_effect(account: Account, finding: Finding) -> Table:
+def _of_effect(account: Account, effect: IdentifiedEffect) -> Table:
     found = account.diagnosis.found
-    rest = {name for name in found.hypothesis.names if name != finding.name}
+    rest = {name for name in found.hypothesis.names if name != effect.name}
     others = {
-        one.effect: one
+        one.title: one
         for one in account.diagnosis.ledger
-        if one.effect not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.shape is None
+        if one.title not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.shape is None
     }
     beside = f" beside {', '.join(f'`{name}`' for name in sorted(rest))}" if rest else ""
-    return _table(account, f"In place of `{finding.name}`{beside}", list(others.values()))
+    return _table(account, f"In place of `{effect.name}`{beside}", list(others.values()))
 
 
-def _of_curve(account: Account) -> list[Table]:
-    """Other curves, and effects of the catalogue where the curve stands now."""
+def _of_spline(account: Account) -> list[Table]:
+    """Other spline terms, and effects of the catalogue where the spline term stands now."""
     ledger = account.diagnosis.ledger
-    curves = [one for one in ledger if one.fit.hypothesis.shape is not None and one.effect.startswith("curve ")]
-    before = {one.beside for one in curves}
+    splines = [one for one in ledger if one.rule is Rule.SPLINE]
+    before = {one.beside for one in splines}
     effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.shape is None]
     beside = ", ".join(f"`{name}`" for name in sorted({name for one in before for name in one}))
     ending = f", beside {beside}" if beside else ""
     return [
-        _table(account, f"Another curve in its place{ending}", [one for one in curves if not one.kept]),
+        _table(account, f"Another spline term in its place{ending}", [one for one in splines if not one.kept]),
         _table(account, f"An effect of the catalogue in its place{ending}", effects),
     ]
 
 
-def _table(account: Account, caption: str, others: list[Entry]) -> Table:
-    """Beside a curve the BIC decides, else the scaled one (`Fit.score`)."""
-    found = account.diagnosis.found
-    curve = found.hypothesis.shape is not None
+def _table(account: Account, caption: str, others: list[Line]) -> Table:
+    """How far the others are behind by the criterion: the BIC beside a spline term, else the quasi-BIC."""
+    found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
+    name = "quasi-BIC" if found.hypothesis.shape is None else "BIC"
 
-    def behind(one: Entry) -> float:
-        return one.fit.bic - found.bic if curve else one.fit.score - found.score
+    def behind(one: Line) -> float:
+        return criterion.gain(found, one.fit)
 
     columns = [
         Column("instead", text=True),
-        Column("numbers", hint="fitted numbers"),
-        Column(f"{'BIC' if curve else 'scaled BIC'} above what was found"),
+        Column("parameters", hint="fitted parameters"),
+        Column(f"{name} above what was found"),
         Column("told apart", text=True),
     ]
     rows = []
     for one in sorted((one for one in others if behind(one) < _FAR), key=behind)[:_MOST]:
-        told = "yes" if behind(one) >= RIVAL else "no"
-        rows.append(Row((f"`{one.effect}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
+        told = "yes" if behind(one) >= criterion.settings.rival else "no"
+        rows.append(Row((f"`{one.title}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
     return Table(caption, columns, rows)

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
-from harness.identify import proposal
-from harness.identify.attempts import Entry
-from harness.identify.forecast import Forecast, forecast
-from harness.identify.independence import SIGNIFICANT
-from harness.identify.sentence import error_size, sentence, words
-from harness.identify.verdict import RIVAL
-from harness.identify.verify import KNOWN
-from harness.numbers import NONE, brief, number
+from harness.formatting import NONE, brief, number
+from harness.identify.design import proposal
+from harness.identify.estimate.forecast import Forecast, forecast
+from harness.identify.problem.windows import KNOWN
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger import Line
+from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import INK, MEASURED_COLOUR, Look
 from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning
 from harness.report.tables import Column, Row, Table
+from harness.report.wording import error_size, sentence, words
 
 _REACH = 3.0  # times the largest error: a wider band would leave no room for the errors themselves
 
@@ -30,7 +32,7 @@ def section(account: Account) -> Section:
     context = {
         "sentence": sentence(account.diagnosis),
         "glance": _glance(account),
-        "found": _found(account) if account.diagnosis.findings else None,
+        "found": _found(account) if account.diagnosis.effects else None,
         # Beside a curve nothing was tried again, and without it the process noise hides what is small.
         "unseen": () if account.diagnosis.found.best.shape is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
@@ -54,25 +56,23 @@ def _glance(account: Account) -> list[tuple[str, str, str]]:
 
 
 def _nearest(account: Account) -> str:
-    """The effect that comes closest to what was found with as many others beside it, or the other curve."""
-    found = account.diagnosis.found
-    curve = found.hypothesis.shape is not None
+    """The effect that comes closest to what was found with as many others beside it, or the other spline term."""
+    found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
+    spline = found.hypothesis.shape is not None
 
-    def other(one: Entry) -> bool:
-        """A `curve` rule holds the same curve with more nodes, or with what it contains."""
+    def other(one: Line) -> bool:
+        """Not the same spline term with more nodes, or with an effect that it contains."""
         theirs = one.fit.hypothesis
-        if one.kept or (theirs.shape is not None) != curve or one.rule == "curve":
+        if one.kept or (theirs.shape is not None) != spline or one.rule in (Rule.REFINE, Rule.ABSORB):
             return False
-        return curve or (len(theirs.names) == len(found.hypothesis.names) and theirs != found.hypothesis)
+        return spline or (len(theirs.names) == len(found.hypothesis.names) and theirs != found.hypothesis)
 
     others = [one for one in account.diagnosis.ledger if other(one)]
     if not others:
         return "nothing else was fitted in the same place"
-    behind, nearest = min(
-        (one.fit.bic - found.bic if curve else one.fit.score - found.score, one.effect) for one in others
-    )
-    told = "told apart" if behind >= RIVAL else "not told apart"
-    return f"the nearest is {words(nearest)}, {number(behind)} behind in {'' if curve else 'scaled '}BIC: {told}"
+    behind, nearest = min((criterion.gain(found, one.fit), one.title) for one in others)
+    told = "told apart" if behind >= criterion.settings.rival else "not told apart"
+    return f"the nearest is {words(nearest)}, {number(behind)} behind in {'BIC' if spline else 'quasi-BIC'}: {told}"
 
 
 def _independence(account: Account) -> str:
@@ -97,10 +97,11 @@ def _found(account: Account) -> Table:
         Column("not to be told from", text=True),
     ]
     rows = []
-    for one in account.diagnosis.findings:
+    for one in account.diagnosis.effects:
         rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
-        for key, (value, low, high, unit) in one.values.items():
-            first = key == next(iter(one.values))
+        for key, estimate in one.parameters.items():
+            value, low, high, unit = astuple(estimate)
+            first = key == next(iter(one.parameters))
             head = (f"`{one.name}`", CATALOGUE[one.name].law) if first else ("", "")
             digits = _digits(value, high - low)
             interval = f"{number(low, digits)} … {number(high, digits)}"

@@ -1,0 +1,303 @@
+"""The command line: parse, call, print. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 engine failed."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from analytic.motion import State
+from harness.errors import HarnessError
+
+if TYPE_CHECKING:
+    from harness.recording import Case
+
+
+class Friendly(click.Group):
+    """Turns errors meant for the user into one message and their exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; an error meant for the user ends it with one message."""
+        try:
+            return super().invoke(ctx)
+        except HarnessError as error:
+            fail(error)
+
+
+class RunCommand(click.Command):
+    """`harness run`, whose help also lists every parameter that `--set` takes."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the engines' parameters below the options."""
+        from harness.engines.catalogue import DEFAULT_ENGINES, describe, engine_of
+
+        for name in DEFAULT_ENGINES:
+            with formatter.section(f"Parameters of {name} (--set {name}.NAME=VALUE, default in brackets)"):
+                rows = [(key, f"[{default}] {text}") for key, default, text in describe(engine_of(name))]
+                formatter.write_dl(rows, col_max=36)
+        super().format_epilog(ctx, formatter)
+
+
+def fail(error: HarnessError) -> NoReturn:
+    """Say what is wrong on stderr and leave."""
+    click.echo(f"error: {error}", err=True)
+    sys.exit(error.exit_code)
+
+
+def _read(path: Path) -> Case:
+    """The case, before what works on it is imported: that takes seconds, and an answer to a bad input should not."""
+    from harness.recording import load_case
+
+    return load_case(path)
+
+
+class StateType(click.ParamType):
+    """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
+
+    name = "S,V"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
+        """Read the text of the option."""
+        if value is None or isinstance(value, State) or value == "estimate":
+            return None if value == "estimate" else value
+        try:
+            position, velocity = map(float, str(value).split(","))
+        except ValueError:
+            position = velocity = math.nan
+        if not (math.isfinite(position) and math.isfinite(velocity)):
+            self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
+        return State(position, velocity)
+
+
+class AngleType(click.ParamType):
+    """`-0.16deg`, `-0.0028rad` or `-0.0028` (rad); `estimate`."""
+
+    name = "ANGLE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the text of the option; radians."""
+        if value is None or isinstance(value, float) or value == "estimate":
+            return value
+        text, factor = str(value).strip(), 1.0
+        for unit, size in (("deg", math.radians(1.0)), ("°", math.radians(1.0)), ("rad", 1.0)):
+            if text.endswith(unit):
+                text, factor = text.removesuffix(unit), size
+                break
+        try:
+            angle = float(text) * factor
+        except ValueError:
+            angle = math.nan
+        if not math.isfinite(angle):
+            self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+        return angle
+
+
+def _beside_the_catalogue(ctx: click.Context, param: click.Parameter, files: tuple[Path, ...]) -> tuple[Path, ...]:
+    """Effects of the user's own are known until the command ends."""
+    if files:
+        from harness.recording.user_effects import own_effects
+
+        ctx.with_resource(own_effects(files))
+    return files
+
+
+def effects_option(*, passed: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """`--effects FILE`, repeatable; the command is told the files if they are `passed`."""
+    return click.option(
+        "--effects",
+        multiple=True,
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        callback=_beside_the_catalogue,
+        expose_value=passed,
+        help="Python file with effects of your own, known beside the catalogue; repeatable.",
+    )
+
+
+@click.group(cls=Friendly, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="ball-beam-harness")
+def main() -> None:
+    """Cross-validate MuJoCo, PyBullet and analytic models of a ball-and-beam rig against its recordings.
+
+    \b
+    Examples:
+      harness run                       the bundled, simulated recording of the paper's protocol
+      harness run my_rig/               a folder with rig.toml and CSV recordings
+      harness run swing.csv             one recording of the paper's rig
+      harness diagnose my_rig/          what the model lacks, by name and size
+      harness predict reports/my_rig/ my_rig/rec_03.csv
+      harness replay reports/my_rig/ my_rig/
+
+    Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
+    no, 2 bad use or bad input, 3 an engine failed.
+    """
+
+
+@main.command(cls=RunCommand)
+@click.argument("case", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
+)
+@click.option("--recording", metavar="NAME", help="Which recording of the case [default: the first to identify from].")
+@click.option(
+    "--engine",
+    "engines",
+    multiple=True,
+    metavar="NAME",
+    help="Engine to run: mujoco, pybullet, dart; repeatable [default: mujoco and pybullet].",
+)
+@click.option(
+    "--set", "assignments", multiple=True, metavar="ENGINE.NAME=VALUE", help="Set a contact parameter; repeatable."
+)
+@click.option(
+    "--parameters",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Contact parameters from a TOML file, one table an engine; --set wins.",
+)
+@click.option(
+    "--start",
+    type=StateType(),
+    default="estimate",
+    show_default=True,
+    help="Ball at the first stamp, position [m] and velocity [m/s].",
+)
+@click.option(
+    "--level-angle",
+    type=AngleType(),
+    metavar="ANGLE|estimate",
+    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated where the rig is not "
+    "known].",
+)
+@click.option(
+    "--window",
+    "windows",
+    type=click.FloatRange(min=0.05),
+    multiple=True,
+    metavar="SECONDS",
+    help="Length of the windows; repeatable [default: 1, 2 and 5 s].",
+)
+@click.option(
+    "--tube",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=0.010,
+    show_default=True,
+    metavar="METRES",
+    help="Half width of the tolerance tube.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the draws that propagate uncertainty.")
+@click.option(
+    "--check", "check_limits", is_flag=True, help="Hold the result to tolerances; exit code 1 if one is broken."
+)
+@click.option(
+    "--tolerances",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Limits for --check [default: tolerances.toml of the case, else the package's].",
+)
+@effects_option()
+@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+def run(case: Path | None, **options: Any) -> None:
+    """Drive every model and engine with the recorded beam angle and write the comparison report.
+
+    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed); without one
+    the bundled recording is used, which is simulated. Writes report.html, trajectories.csv, metrics.csv and
+    manifest.json.
+
+    \b
+    Examples:
+      harness run
+      harness run my_rig/ --recording swing_02.csv --set mujoco.friction=0.3
+      harness run my_rig/ --level-angle estimate --check
+    """
+    from harness.recording.case import BUNDLED
+
+    read = _read(case or BUNDLED)
+    from harness.cli.run import run_case
+
+    sys.exit(run_case(read, **options))
+
+
+@main.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
+)
+@click.option(
+    "--also",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Further recording of the rig, with positions: nothing is fitted to it, errors before and after are reported "
+    "for it; repeatable.",
+)
+@effects_option(passed=True)
+@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
+def diagnose(case: Path, **options: Any) -> None:
+    """Find what the model lacks: name the effect, its size and interval, and the error before and after.
+
+    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
+    diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
+    next_experiment.csv, the beam angle [rad] to record next, where one would tell more. Values are in SI units.
+
+    \b
+    Examples:
+      harness diagnose my_rig/
+      harness diagnose my_rig/ --effects magnet.py
+      harness diagnose my_rig/ --also my_rig/swing_07.csv
+    """
+    read = _read(case)
+    from harness.cli.diagnose import diagnose_case
+
+    sys.exit(diagnose_case(read, **options))
+
+
+@main.command()
+@click.argument("diagnosis", type=click.Path(path_type=Path))
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--refit", is_flag=True, help="Fit every hypothesis on from its numbers, and decide by what comes out.")
+@effects_option(passed=True)
+@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+def replay(diagnosis: Path, case: Path, **options: Any) -> None:
+    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything
+    differs, with 2 if an input file has changed since.
+
+    \b
+    Examples:
+      harness replay reports/my_rig/diagnosis.json my_rig/
+      harness replay reports/my_rig/ my_rig/ --refit
+    """
+    from harness.cli.replay import replay_case
+
+    sys.exit(replay_case(diagnosis, case, **options))
+
+
+@main.command()
+@click.argument("diagnosis", type=click.Path(path_type=Path))
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
+)
+@effects_option()
+@click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
+def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
+    """Predict ball positions from the angle alone, with the model that a diagnosis found.
+
+    DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
+    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and the 95 % band
+    low_m, high_m.
+
+    \b
+    Examples:
+      harness predict reports/my_rig/ my_rig/rec_03.csv
+      harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
+    """
+    from harness.cli.predict import predict_recording
+
+    sys.exit(predict_recording(diagnosis, recording, **options))

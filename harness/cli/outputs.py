@@ -1,0 +1,155 @@
+"""What a run leaves behind: trajectories.csv, metrics.csv, manifest.json, report.html — all of them or none."""
+
+from __future__ import annotations
+
+import io
+import json
+import platform
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.errors import InputError
+from harness.recording import Case
+from harness.recording.case import RIG_FILE
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from harness.comparison import Study
+
+_PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
+
+
+def report_folder(case: Case) -> Path:
+    """Where the results of a case go unless the user says otherwise: `reports/<name of the case>`."""
+    path = case.path.resolve()
+    return Path("reports") / (path.parent.name if path.name == "rig.toml" else path.stem)
+
+
+@contextmanager
+def all_or_nothing(folder: Path) -> Iterator[Path]:
+    """A scratch folder whose files are moved into `folder` when the block ends well, and deleted when it does not.
+
+    Files of other names that are already in `folder` stay. Folders that were made for nothing are removed again.
+
+    Raises:
+        InputError: the folder cannot be made or written.
+    """
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    done = False
+    scratch: Path | None = None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
+        yield scratch
+        files = sorted(scratch.iterdir())
+        blocked = [file.name for file in files if (folder / file.name).is_dir()]
+        if blocked:
+            raise InputError(f"{folder / blocked[0]}: is a folder, and a file of this name is to be written; move it")
+        for file in files:
+            file.replace(folder / file.name)
+        done = True
+    except OSError as error:
+        where = error.filename or folder
+        raise InputError(f"{where}: cannot be written ({error.strerror}); choose another folder with --out") from error
+    finally:
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
+        if not done:
+            for path in made:
+                with suppress(OSError):  # not made after all, or by now somebody else's
+                    path.rmdir()
+
+
+def trajectories(study: Study) -> pd.DataFrame:
+    """Free runs of every source beside the measurement: `time_s`, `measured_m`, then `<source>_m` [m]."""
+    import pandas as pd  # takes a second, which only tables of mixed columns are worth
+
+    whole = study.setting.horizons[0]
+    table = {"time_s": study.setting.time, "measured_m": study.setting.recording.position}
+    table |= {f"{source}_m": study.run_of(source, whole).position[0] for source in study.sources}
+    return pd.DataFrame(table)
+
+
+def metrics(study: Study) -> pd.DataFrame:
+    """One row a source and horizon; columns are the fields of `harness.metrics.Score`."""
+    import pandas as pd
+
+    return pd.DataFrame([asdict(score) for score in study.scores])
+
+
+def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
+    """What is needed to repeat the run: hashes of inputs, versions, settings, seed; wall time [s]."""
+    setting = study.setting
+    return {
+        "schema": 1,
+        "command": command,
+        "case": str(setting.case.path),
+        "origin": setting.case.origin,
+        "inputs": {
+            **{one.name: one.sha256 for one in setting.used},
+            **({RIG_FILE: setting.case.sha256} if setting.case.sha256 else {}),
+        },
+        "versions": {
+            "harness": version("ball-beam-harness"),
+            "python": platform.python_version(),
+            "platform": f"{sys.platform} {platform.machine()}",
+            **{name: version(name) for name in _PACKAGES},
+            **{engine.name: engine.version() for engine, _ in study.engines},
+        },
+        "settings": {
+            "rig": asdict(setting.rig),
+            "estimates": [asdict(one) for one in setting.estimates],
+            "start": asdict(setting.start),
+            "horizons": [one.name for one in setting.horizons],
+            "headline": study.headline.name,
+            "recording": setting.recording.name,
+            "draws": setting.choices.draws,
+            "tolerance_m": setting.choices.tolerance,
+            "engines": {engine.name: parameters.model_dump() for engine, parameters in study.engines},
+        },
+        "seed": setting.choices.seed,
+        "failures": [str(failure) for failure in study.failures],
+        "wall_time_s": round(wall_time, 3),
+    }
+
+
+def to_json(value: Any) -> str:
+    """JSON text; numbers that are not finite become null, as JSON has none."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def csv_text(columns: Mapping[str, FloatArray]) -> str:
+    """Columns of numbers, each of shape (n,), as CSV with six decimals: micrometres, microradians, microseconds."""
+    text = io.StringIO()
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(text, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
+    return text.getvalue()
+
+
+def write_tables(study: Study, folder: Path) -> None:
+    """Write trajectories.csv (micrometres) and metrics.csv (seven digits) into `folder`."""
+    trajectories(study).to_csv(folder / "trajectories.csv", index=False, float_format="%.6f")
+    metrics(study).to_csv(folder / "metrics.csv", index=False, float_format="%.7g")

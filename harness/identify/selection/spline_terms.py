@@ -1,0 +1,159 @@
+"""Spline terms of unknown law, tried where effects leave something unexplained."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from analytic.effects import Acting, parameters_with
+from analytic.law import acceleration, dry_limit
+from analytic.models import RESPONSE, ROLL, WEIGHT
+from analytic.motion import FloatArray
+from harness.identify.estimate.fit import Fit, fit, unrefined
+from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank, visited
+from harness.identify.problem.windows import Fold, folds
+from harness.identify.selection.candidates import Progress, found_in, in_threads
+from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.ledger import Ledger
+
+# Process noise of a held-out recording over that of the others.
+_NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
+# Effects that a spline term of the kind contains: what the catalogue took of a cause that is not in it.
+_DRY = ("rolling_resistance", "directional_resistance", "stribeck_friction", "presliding_hysteresis")
+_CONTAINED = {
+    (Depends.POSITION, False): ("level_error", "track_curvature", "track_bump", "beam_compliance"),
+    (Depends.VELOCITY, False): ("viscous_damping", "quadratic_drag"),
+    (Depends.ROLL_ANGLE, False): ("ball_imbalance",),
+    (Depends.POSITION, True): _DRY,
+    (Depends.ROLL_ANGLE, True): _DRY,
+    (Depends.TIME, True): _DRY,
+}
+
+
+def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """The best fit with a spline term beside the effects of `found`, or `found` itself where none pays.
+
+    Where one pays, it gets twice the nodes if these pay too, and each effect found before has to pay beside it again.
+    """
+    tried = _fit_kinds(problem, found, progress)
+    best = tried[0]
+    pays = ledger.criterion.gain(best, found) > problem.settings.spline_keep
+    before, after = held_out_deviances(problem, found, best, progress) if pays else ((), ())
+    evidence = Evidence(winner=best, before=before, after=after)
+    kept = [one for one in tried if ledger.decide(Rule.SPLINE, one, found, evidence=evidence)]
+    if not kept:
+        return found
+    best = _refined(problem, best, ledger, progress)
+    for name in found_in(problem, found):
+        rest = tuple(other for other in best.hypothesis.names if other != name)
+        progress(f"{name} again")
+        nested = name in _CONTAINED.get(_kind(best), ())
+        shape = _with_law_in_it(problem, best, name) if nested else best.refined.shape
+        without = fit(problem, Hypothesis(rest, shape), density=best.density, known=best.values())
+        stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
+        best = best if stays else without
+    return best
+
+
+def _shape(one: Fit) -> Shape:
+    assert one.best.shape is not None
+    return one.best.shape
+
+
+def _kind(one: Fit) -> tuple[Depends, bool]:
+    return _shape(one).depends, _shape(one).friction
+
+
+def _refined(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """The spline term through twice as many nodes, if these pay."""
+    progress(f"a finer {_shape(best).name}")
+    finer = Hypothesis(best.hypothesis.names, _shape(best).finer())
+    one = fit(problem, finer, density=best.density, known=best.values())
+    return one if ledger.decide(Rule.REFINE, one, best) else best
+
+
+def _with_law_in_it(problem: Problem, best: Fit, name: str) -> Shape:
+    """The spline term with the law of an effect that it contains added to its nodes, and with nodes for both."""
+    shape = _shape(best)
+    shape = shape if len(shape.nodes) > problem.settings.spline_nodes else shape.finer()
+    (effect,) = (one for one in best.best.effects if one.effect.name == name)
+    return replace(shape, nodes=shape.nodes + _law_along(problem, effect, shape))
+
+
+def _law_along(problem: Problem, effect: Acting, shape: Shape) -> FloatArray:
+    """The law of an effect at the nodes of a spline term of its kind, in their unit, shape (n,)."""
+    bare, full = (parameters_with(problem.model, problem.rig, each) for each in ((), (effect,)))
+    if shape.friction:  # of a rolling ball, and the mean of both directions
+        limits = [dry_limit(0.0, towards, towards, 0.0, 0.0, 0.0, full) for towards in (1.0, -1.0)]
+        return np.full(len(shape.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
+    of_velocity, per_place = shape.depends is Depends.VELOCITY, 1.0 / full[ROLL] if shape.turning else 1.0
+
+    def along(p: FloatArray) -> FloatArray:
+        where = [(0.0, place) if of_velocity else (per_place * place, 0.0) for place in shape.places]
+        return np.array([acceleration(s, v, 0.0, 0.0, 0.0, p) for s, v in where])
+
+    return (along(full) - along(bare)) / full[RESPONSE]
+
+
+def held_out_deviances(
+    problem: Problem, found: Fit, best: Fit, progress: Progress
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Deviance of each recording by fits to the others, without and with the spline term; none of a single one."""
+    if len(problem.records) == 1:
+        return (), ()
+    before: list[float] = []
+    after: list[float] = []
+    for fold in folds(problem):
+        progress(f"the spline term without {fold.title}")
+        for one, deviances in ((found, before), (best, after)):
+            refit = fit(fold.problem, one.refined, density=one.density, known=one.values())
+            deviances.append(_deviance(fold, refit))
+    return tuple(before), tuple(after)
+
+
+def _deviance(fold: Fold, fitted: Fit) -> float:
+    """Of the held-out recording; its phase and process noise are its own."""
+    record: Record = fold.left[0]
+    phase = phase_of(fold.problem, fitted, record, record.reading)
+    densities = fitted.density * _NOISE_RATIOS
+    effects, shape = fitted.best.effects, fitted.best.shape
+    return min(fold.problem.deviance_of(record, effects, phase, one, shape) for one in densities)
+
+
+def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
+    """A spline term of every kind beside what was found, best first; fitted where its screening fit promises it."""
+    steps = (COARSE_STEP, 1.0)
+
+    def begin(depends: Depends, friction: bool) -> Hypothesis:
+        """One of the rolled angle begins as one recording has it: how the ball lay in the others shows then."""
+        count = problem.settings.spline_nodes
+        shape = blank(depends, friction, *visited(problem, depends), count)
+        hypothesis = Hypothesis(found.hypothesis.names, shape)
+        if depends is not Depends.ROLL_ANGLE:
+            return hypothesis
+        alone = replace(problem, records=(max(problem.records, key=lambda one: np.isfinite(one.reading).sum()),))
+        numbers = screen(alone, hypothesis, found.density, found.values(), steps=steps)[0].numbers
+        return Hypothesis(hypothesis.names, hypothesis.read(numbers, alone).shape)
+
+    def screened(hypothesis: Hypothesis) -> ScreeningFit:
+        assert hypothesis.shape is not None
+        progress(f"a {hypothesis.shape.name}")
+        return screen(problem, hypothesis, found.density, found.values(), steps=steps)[0]
+
+    hypotheses = in_threads(lambda kind: begin(*kind), KINDS)
+    seen = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
+    least = problem.settings.spline_share * max(found.deviance - one.hoped for _, one in seen)
+
+    def follow(each: tuple[Hypothesis, ScreeningFit]) -> Fit:
+        hypothesis, first = each
+        if found.deviance - first.hoped < least:
+            return unrefined(problem, hypothesis, first)
+        return fit(problem, hypothesis, density=found.density, starts=[first.numbers])
+
+    fits = in_threads(follow, seen)
+    return sorted(fits, key=lambda one: one.deviance + np.log(one.readings) * len(one.numbers))

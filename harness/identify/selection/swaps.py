@@ -1,0 +1,91 @@
+"""Swap steps of the stepwise selection: each effect found is held against all that could stand in its place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from harness.identify.estimate.fit import Fit
+from harness.identify.problem.problem import Problem
+from harness.identify.selection.candidates import Progress, fit_candidates, found_in, refitted
+from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.ledger import Ledger
+
+# One law of several parameters that two laws of one parameter each imitate or are: on a beam that is not level a
+# resistance differs by direction, one that bends is a bowl with its centre elsewhere, and friction that grows with
+# speed from what it is at rest is resistance and drag.
+SPLITS = {
+    "directional_resistance": ("rolling_resistance", "level_error"),
+    "track_curvature": ("level_error", "beam_compliance"),
+    "stribeck_friction": ("rolling_resistance", "quadratic_drag"),
+}
+
+
+def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """`best` after splits, merges, drops and swaps, until nothing changes.
+
+    Every change but a split lowers the criterion; a split may lead back to what had been held before, which ends it.
+    """
+    held: list[set[str]] = []
+    while True:
+        best = _split_or_merge(problem, best, ledger, progress)
+        if set(best.hypothesis.names) in held:
+            return best
+        held.append(set(best.hypothesis.names))
+        former = best
+        if len(found_in(problem, best)) > 1:
+            best = _swap(problem, best, ledger, progress)
+        if best is former:
+            return best
+
+
+def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """Hold each effect against none and against all others; the first change, or `best`."""
+    for name in found_in(problem, best):
+        rest = tuple(other for other in best.hypothesis.names if other != name)
+        progress(f"{name} again")
+        without = refitted(problem, rest, best)
+        if not ledger.decide(Rule.DROP, best, without, (name,)):
+            return without
+        main = best.density < problem.settings.absorbed_share * without.density
+        start = _at_values_of(problem, without, best) if main else without
+        tried = fit_candidates(problem, start, progress, excluding=name, replacing=main)
+        swapped = ledger.decide_round(Rule.SWAP, tried, without, holder=best)
+        if swapped is not None:
+            return swapped
+    return best
+
+
+def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
+    """`without` an effect, at the values that `best` has with it, and a process noise between those of the two.
+
+    What stands in for that effect is searched from there: fitted without it, the others have moved to make up for it.
+    """
+    density = math.sqrt(without.density * best.density)
+    (start,) = without.hypothesis.starts(problem, best.values(), density)
+    at = without.hypothesis.read(start, problem)
+    deviance = problem.deviance(at.effects, at.phases, density, at.shape)
+    return replace(without, numbers=start, best=at, density=density, deviance=deviance)
+
+
+def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """Hold one law against the two that imitate it, whichever was found."""
+    for name, pair in SPLITS.items():
+        names = found_in(problem, best)
+        if name in names and not set(pair) & set(names) and len(names) < problem.settings.max_effects:
+            best = _split(problem, best, name, pair, ledger, progress)
+        elif name not in names and set(pair) <= set(names):
+            progress(f"{name} for {' + '.join(pair)}")
+            rest = tuple(one for one in best.hypothesis.names if one not in pair)
+            merged = refitted(problem, (*rest, name), best)
+            best = merged if ledger.decide(Rule.MERGE, merged, best, (name,)) else best
+    return best
+
+
+def _split(problem: Problem, best: Fit, name: str, pair: tuple[str, str], ledger: Ledger, progress: Progress) -> Fit:
+    progress(f"{' + '.join(pair)} for {name}")
+    rest = tuple(one for one in best.hypothesis.names if one != name)
+    parted = refitted(problem, (*rest, *pair), best)
+    worth = ledger.criterion.gain(parted, best) > problem.settings.pair_penalty  # else the fits without each are idle
+    without = tuple(refitted(problem, (*rest, one), parted) for one in pair) if worth else ()
+    return parted if ledger.decide(Rule.SPLIT, parted, best, pair, Evidence(without=without)) else best

@@ -1,0 +1,226 @@
+"""Before and after in the engines: free runs of a scene without and with what was found."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from analytic.effects import Acting, recorded_with, rig_with
+from analytic.models import DRY_MINUS, DRY_PLUS, LEVEL
+from analytic.motion import BeamMotion, FloatArray, State
+from analytic.rig import Rig
+from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
+from harness.engines.injection import force_of, motion_for_engine
+from harness.engines.protocol import Engine, EngineParameters
+from harness.errors import EngineFailure
+from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.forecast import filtered
+from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.problem.problem import Filtered, Problem, Record, phased
+from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.problem.windows import horizon_spans
+from harness.identify.validation.held_out import HeldOut, Progress
+from harness.parallel import meanwhile
+
+Law = Callable[[FloatArray, float], None]
+Squares = list[tuple[str, FloatArray]]
+
+# [s]: leaves 3 µm in 14 s, and 25 µm at most where friction stops the ball. Where it slides MuJoCo is of first order in
+# the step, and the engines' own is kept.
+_ROLLING_STEP = 2e-3
+
+# What makes a ball slide in an engine: its own friction, and limits that let it (see `harness run --help`).
+_SLIPPERY: Mapping[str, Callable[[float], dict[str, Any]]] = {
+    "mujoco": lambda mu: {"friction": mu, "slip_limit": 10.0, "friction_relaxation": 0.01},
+    "pybullet": lambda mu: {"lateral_friction_ball": mu, "lateral_friction_rail": 1.0, "slip_limit": 10.0},
+}
+
+
+def engine_errors(
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = lambda _: None
+) -> dict[str, dict[str, Any]]:
+    """RMS errors [m] of each engine by horizon, without and with what was found; horizons as in `verify.errors`.
+
+    Every window is a free run of the engine from the state that the readings before it give.
+
+    Args:
+        seen: fits, and the recordings that they are held against.
+        held: the same for recordings that were held out; without any, nothing is said of them.
+
+    Returns:
+        By engine "before" and "after" with "rms_m" by horizon, and "heldout" with both again; where the engine failed
+        there is "failed", its message.
+    """
+    with engines_running(seen, held, progress) as errors:
+        return errors()
+
+
+@contextmanager
+def engines_running(
+    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = lambda _: None
+) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
+    """As `engine_errors`, with the engines in processes of their own while the block goes on (`harness.parallel`)."""
+    engines = {name: engine_of(name) for name in DEFAULT_ENGINES}
+    jobs: dict[Hashable, Callable[[], Squares | str]] = {}
+    for engine in reversed(engines.values()):  # PyBullet takes longer; with the long jobs first, all cores end together
+        for split in (seen, *held):
+            for fit, record in itertools.product((split.base, split.found), split.left):
+                jobs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
+    words = f"{' and '.join(engines)} on {', '.join(record.name for record in seen.left)}"
+
+    def both(engine: Engine, splits: Sequence[HeldOut], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
+        return {
+            when: _errors([found[_key(engine, fit(one), record)] for one in splits for record in one.left])
+            for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
+        }
+
+    with meanwhile(list(jobs.values()), lambda count: progress(f"{words}: {count} of {len(jobs)}")) as results:
+
+        def errors() -> dict[str, dict[str, Any]]:
+            progress(words)
+            found = dict(zip(jobs, results(), strict=True))
+            return {
+                name: both(engine, [seen], found) | ({"heldout": both(engine, held, found)} if held else {})
+                for name, engine in engines.items()
+            }
+
+        yield errors
+
+
+def _key(engine: Engine, fit: Fit, record: Record) -> Hashable:
+    """What makes a run another one. Without effects nothing is fitted: whatever the fit is to, that is the same run."""
+    nothing = not fit.hypothesis.names and fit.hypothesis.shape is None
+    return engine.name, None if nothing else id(fit), id(record)
+
+
+def entries(fit: Fit) -> dict[str, str]:
+    """Where each thing that was found enters the engines' scenes: by effect, in words."""
+    places = {one.effect.name: _entry(one) for one in fit.best.effects}
+    if fit.best.shape is not None:
+        places["curve"] = "friction on the ball" if fit.best.shape.friction else "force on the ball"
+    return places
+
+
+def _entry(one: Acting) -> str:
+    effect = one.effect
+    if effect.name == "contact_slip":
+        return "the engine's own friction coefficient"
+    if effect.name == "level_error":
+        return "force on the ball, as a tilt of gravity gives it"
+    if effect.name == "channel_delay":
+        return "sensor side: the stamps at which the ball is read"
+    if effect.alter is not None:
+        return "the scene's geometry"
+    if effect.turn is not None:
+        return "angle of the driven beam"
+    return "sensor side: what is recorded of the position" if effect.sense is not None else "force on the ball"
+
+
+def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
+    squares: dict[str, list[FloatArray]] = {}
+    for run in runs:
+        if isinstance(run, str):
+            return {"rms_m": {}, "failed": run}
+        for horizon, each in run:
+            squares.setdefault(horizon, []).append(each)
+    return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
+
+
+def _squares(problem: Problem, found: Fit, record: Record, engine: Engine) -> Squares | str:
+    """Squared errors [m²] of every window by horizon, or why the engine failed."""
+    try:
+        return _Scene(problem, found, record, engine).squares()
+    except EngineFailure as failure:
+        return str(failure)
+
+
+class _Scene:
+    """One recording in one engine, with what was found in it."""
+
+    def __init__(self, problem: Problem, found: Fit, record: Record, engine: Engine) -> None:
+        self.problem, self.found, self.record = problem, found, record
+        phase = phase_of(problem, found, record, record.reading)
+        declared = (*problem.declared, *found.best.effects)
+        gain = problem.sensor(found.best.effects)[0]
+        self.rig: Rig = rig_with(problem.rig, declared)
+        self.origin = record.origin / gain
+        shape = found.best.shape
+        self.law = None if shape is None else _law(shape, phase, problem.rig.gravity)
+        self.effects = phased(declared, phase)
+        self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
+        self.delay = sum(one.values["delay"] for one in self.effects if one.effect.name == "channel_delay")
+        self.sensor = [one for one in self.effects if one.effect.name != "channel_delay"]
+        slip = [one.values["friction_coefficient"] for one in self.effects if one.effect.name == "contact_slip"]
+        self.engine = engine
+        settings = _SLIPPERY[engine.name](slip[0]) if slip else {"time_step": _ROLLING_STEP}
+        self.parameters: EngineParameters = parameters_of(engine, settings)
+
+    def squares(self) -> Squares:
+        """Squared errors [m²] of every window in which anything is judged, by horizon.
+
+        Windows that begin together are one run: what is known of the ball at its beginning is the same.
+        """
+        record = self.record
+        time = record.time - record.time[0]
+        known = np.isfinite(record.reading)
+        spans: list[tuple[str, int, int]] = []
+        for horizon, first, last in horizon_spans(time):
+            judged = known & (time >= first) & (time < last)
+            if (known & (time < first)).sum() > 5 and judged.sum() > 1:
+                spans.append((horizon, int(np.argmax(time >= first)), int(np.flatnonzero(judged)[-1]) + 1))
+        ends = {begin: max(end for _, other, end in spans if other == begin) for _, begin, _ in spans}
+        errors: dict[int, FloatArray] = {}
+        for begin, end in ends.items():
+            before = np.where(np.arange(len(time)) < begin, record.reading, np.nan)
+            state = filtered(self.problem, self.found, record, before)
+            errors[begin] = self._run(state, begin, end) - record.reading[begin:end]
+        squares = [(horizon, errors[begin][: end - begin] ** 2) for horizon, begin, end in spans]
+        return [(horizon, each[np.isfinite(each)]) for horizon, each in squares]
+
+    def _run(self, out: Filtered, begin: int, end: int) -> FloatArray:
+        """What would be recorded of a free run from stamp `begin` up to before `end` [m]; NaN where the beam's motion
+        is not known."""
+        stamps = self.record.time[begin:end]
+        # The filter's state at t is that of t − delay, when the beam was where the ball then felt it.
+        ball_time = stamps - self.delay
+        inside = (ball_time >= self.record.time[0]) & (ball_time <= self.record.time[-1])
+        at = ball_time[inside]
+        first = begin + int(np.argmax(inside))
+        s, v, _, lagging = out.state[first]
+        force = force_of(
+            self.effects,
+            self.rig,
+            self.motion,
+            at,
+            self.parameters.time_step,
+            origin=self.origin,
+            law=self.law,
+        )
+        run = self.engine.run(self.rig, self.motion, State(s, v), at, parameters=self.parameters, force=force)
+        recorded = recorded_with(at, run.trajectory.position, self.sensor)
+        if out.lag > 0.0:  # the lag of a run begins settled, that of the filter where the readings before put it
+            recorded = recorded + out.gain * (lagging - s) * np.exp(-(at - at[0]) / out.lag)
+        result = np.full(len(stamps), np.nan)
+        result[inside] = recorded
+        return result
+
+
+def _law(shape: Shape, phase: float, gravity: float) -> Law:
+    """A curve as it is written into the kernel's vector before every step."""
+    without: dict[int, float] = {}
+
+    def law(p: FloatArray, time: float) -> None:
+        if shape.depends is not Depends.TIME:
+            shape.write(p, phase)
+            return
+        at = float(shape.at(np.array([time]))[0])
+        for slot, value in ((DRY_PLUS, at), (DRY_MINUS, at)) if shape.friction else ((LEVEL, at / gravity),):
+            p[slot] = without.setdefault(slot, float(p[slot])) + value
+
+    return law

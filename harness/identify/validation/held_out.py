@@ -1,0 +1,130 @@
+"""Before and after: how far predictions are off without and with what was found, on data that did not find it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.forecast import filtered
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.windows import folds, horizon_spans
+from harness.identify.validation.whiteness import Dependence, joined, on_beam
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS errors [m] by horizon ("1 s" …, "whole"), and what the innovations still know.
+
+    Attributes:
+        rms: by horizon.
+        whiteness: correlation of neighbouring innovations, near 0 for a right model [1].
+        ratio: RMS of innovations over the reading's noise, near 1 at the floor [1].
+        beam: how innovations go with the beam's "angle", "rate" and "acceleration" before them.
+    """
+
+    rms: Mapping[str, float]
+    whiteness: float
+    ratio: float
+    beam: Mapping[str, Dependence] = field(default_factory=dict)
+
+
+def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = lambda _: None) -> Errors:
+    """Prediction errors of `found` over `records`.
+
+    "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
+    recording predicted from its first two seconds.
+    """
+    squares: dict[str, list[FloatArray]] = {}
+    white, ratios, beam = [], [], []
+    for record in records:
+        progress(f"errors of {record.name}")
+        time = record.time - record.time[0]
+        known = np.isfinite(record.reading)
+        for name, first, last in horizon_spans(time):
+            reading = np.where((time < first) & known, record.reading, np.nan)
+            judged = known & (time >= first) & (time < last)
+            if np.isfinite(reading).sum() > 5 and judged.any():
+                out = filtered(problem, found, record, reading)
+                squares.setdefault(name, []).append((out.recorded - record.reading)[judged] ** 2)
+        whole = filtered(problem, found, record, record.reading)
+        ratio = whole.innovation / np.sqrt(whole.innovation_variance)
+        z = ratio[record.judged]
+        white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
+        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.noise))
+        beam.append(on_beam(record.time, ratio, record.judged, record.drive))
+    rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
+    return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
+
+
+@dataclass(frozen=True)
+class BeforeAfter:
+    """Errors without and with what was found."""
+
+    before: Errors
+    after: Errors
+
+
+def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> BeforeAfter:
+    """On the recordings that it was found from."""
+    return BeforeAfter(
+        errors(problem, base, problem.records, progress), errors(problem, found, problem.records, progress)
+    )
+
+
+def on_another(problem: Problem, base: Fit, found: Fit, record: Record, progress: Progress) -> BeforeAfter:
+    """On a recording that nothing was fitted to."""
+    return BeforeAfter(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Fits to a part of the recordings, and the recordings that they have not seen.
+
+    Attributes:
+        problem: of the part that was fitted to.
+        base, found: fits to it, without and with what was found.
+        left: what was held out.
+    """
+
+    problem: Problem
+    base: Fit
+    found: Fit
+    left: tuple[Record, ...]
+
+
+def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = lambda _: None) -> tuple[HeldOut, ...]:
+    """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
+    made = []
+    for fold in folds(problem):
+        progress(f"held out: {fold.title}")
+        sub = fold.problem
+        plain = fit(sub, Hypothesis(problem.unknown), density=base.density, known=base.values())
+        again = fit(sub, found.refined, density=found.density, known=found.values())
+        made.append(HeldOut(sub, plain, again, fold.left))
+    return tuple(made)
+
+
+def on_held_out(parts: Sequence[HeldOut]) -> BeforeAfter:
+    """On recordings that the values were not fitted to."""
+    return BeforeAfter(
+        _mean([errors(one.problem, one.base, one.left) for one in parts]),
+        _mean([errors(one.problem, one.found, one.left) for one in parts]),
+    )
+
+
+def _mean(each: Sequence[Errors]) -> Errors:
+    names = dict.fromkeys(name for one in each for name in one.rms)
+    rms = {name: float(np.sqrt(np.mean([one.rms[name] ** 2 for one in each if name in one.rms]))) for name in names}
+    return Errors(
+        rms,
+        float(np.mean([e.whiteness for e in each])),
+        float(np.sqrt(np.mean([e.ratio**2 for e in each]))),
+        joined(e.beam for e in each),
+    )

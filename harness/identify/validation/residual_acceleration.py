@@ -1,0 +1,103 @@
+"""The trace of what is missing: the acceleration that the model leaves, and the one that the found effects give.
+
+Both are taken along the measured path, so that they can be laid over each other: the measurement's side knows nothing
+of the effects, and the law's side nothing of what is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.compiled import njit
+from analytic.effects import acting, recorded_with
+from analytic.models import CAM
+from analytic.motion import FloatArray
+from analytic.step import advance
+from harness.identify.estimate.fit import Fit
+from harness.identify.problem.hypothesis import Values
+from harness.identify.problem.problem import Problem, Record
+from harness.signals.ball_state import BallEstimate
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What is missing in one recording; arrays of shape (n,) at its stamps.
+
+    Attributes:
+        time: stamps [s].
+        position, velocity, angle: of the measured path, s [m], ṡ [m/s], α [rad].
+        residual: acceleration beyond the model with the declared effects [m/s²].
+        deviation: its standard deviation [m/s²].
+        law: acceleration that the found effects add along the measured path [m/s²].
+        trusted: readings that count, bool.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    angle: FloatArray
+    residual: FloatArray
+    deviation: FloatArray
+    law: FloatArray
+    trusted: NDArray[np.bool_]
+
+
+def trace(problem: Problem, found: Fit, record: Record, ball: BallEstimate) -> Trace:
+    """The trace of what `found` adds, in one recording.
+
+    Args:
+        record: one of the problem's.
+        ball: the measured state in it, whose residual is against CAM alone.
+    """
+    bare = replace(problem, declared=(), model=CAM)
+    plain = _acceleration(bare, record, ball)
+    declared = _acceleration(problem, record, ball)
+    everything = _acceleration(problem, record, ball, found.best)
+    return Trace(
+        time=record.time,
+        position=ball.position,
+        velocity=ball.velocity,
+        angle=record.drive.states[:, 0],
+        residual=ball.residual - (declared - plain),
+        deviation=np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0)),
+        law=everything - declared,
+        trusted=ball.trusted,
+    )
+
+
+def _acceleration(problem: Problem, record: Record, ball: BallEstimate, found: Values | None = None) -> FloatArray:
+    """What the sensor would see of the ball's acceleration when it follows the measured path, shape (n,) [m/s²]."""
+    effects = () if found is None else found.effects
+    phase = 0.0 if found is None else float(found.phases[[one.name for one in problem.records].index(record.name)])
+    p, table = problem.dynamics(record, effects, phase, None if found is None else found.shape)
+    gain, lag = problem.sensor(effects)
+    out = np.empty(len(record.time))
+    _along(ball.position / gain, ball.velocity / gain, record.grid.steps, record.grid.marks, table, p, out)
+    # Gain and lag are linear and constant in time: they do to the acceleration what they do to the position.
+    if lag > 0.0:
+        out = recorded_with(record.time, out, (acting("position_lag", {"time_constant": lag}),))
+    return gain * out
+
+
+@njit(cache=True, nogil=True)
+def _along(
+    position: FloatArray,
+    velocity: FloatArray,
+    steps: FloatArray,
+    marks: NDArray[np.int64],
+    table: FloatArray,
+    p: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Mean s̈ of a run from every stamp to the next, put back on the path at each; what effects remember runs on."""
+    w = 0.0
+    for n in range(len(position) - 1):
+        s, v, span = position[n], velocity[n], 0.0
+        for j in range(marks[n], marks[n + 1]):
+            s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
+            span += steps[j]
+        out[n] = (v - velocity[n]) / span
+    out[-1] = out[-2]

@@ -1,0 +1,43 @@
+"""What produced a result: a digest of all installed code of this product, and the versions of the software under it."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from importlib.metadata import version
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("analytic", "harness", "mjcf", "urdf")
+_NUMERICAL = ("ball-beam-harness", "numpy", "scipy", "numba")
+
+
+def versions() -> dict[str, str]:
+    """Versions of the software that decides the numbers; this product also by the digest of its `code`."""
+    return {**{name: version(name) for name in _NUMERICAL}, "code": code_digest()}
+
+
+def code_digest(root: Path = ROOT) -> str:
+    """Twelve hexadecimal digits of a SHA-256 over every module of the product.
+
+    It changes with the code, and not with comments, docstrings or layout.
+    """
+    total = hashlib.sha256()
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            total.update(f"{path.relative_to(root).as_posix()}\n{_code(path)}\n".encode())
+    return total.hexdigest()[:12]
+
+
+def _code(path: Path) -> str:
+    """The module's syntax tree as text, without docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            node.body = [one for one in body if not _is_text(one)]  # type: ignore[attr-defined]
+    return ast.dump(tree)
+
+
+def _is_text(node: ast.AST) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)

@@ -1,0 +1,52 @@
+"""A virtual rig: an independent plant, a servo, sensors and a controller, to record experiments with a known truth.
+
+It shares no equation of motion with the models under test: the ball is a rigid body in Cartesian coordinates that the
+beam pushes through contact impulses (`contact`), never a reduced equation along the beam.
+"""
+
+from harness.simulator.case_folder import truth, write_case
+from harness.simulator.channel import Channel
+from harness.simulator.effects import CATALOGUE, UNLISTED, Effects
+from harness.simulator.experiment import Experiment, SimulatedRecording
+from harness.simulator.linkage import Linkage
+from harness.simulator.plant import Plant, Run, simulate
+from harness.simulator.protocol import (
+    Controller,
+    Protocol,
+    Record,
+    Sensors,
+    perform,
+    record,
+    recording_text,
+    write_recording,
+)
+from harness.simulator.replay import Replay
+from harness.simulator.sensors import Encoder, Laser
+from harness.simulator.servo import Servo
+
+__all__ = [
+    "CATALOGUE",
+    "UNLISTED",
+    "Channel",
+    "Controller",
+    "Effects",
+    "Encoder",
+    "Experiment",
+    "Laser",
+    "Linkage",
+    "Plant",
+    "Protocol",
+    "Record",
+    "Replay",
+    "Run",
+    "Sensors",
+    "Servo",
+    "SimulatedRecording",
+    "perform",
+    "record",
+    "recording_text",
+    "simulate",
+    "truth",
+    "write_case",
+    "write_recording",
+]

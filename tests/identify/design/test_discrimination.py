@@ -1,0 +1,88 @@
+"""What a rival loses on a recording without noise: steady filters in closed form against the filter itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.motion import FloatArray
+from harness.identify.design.closed_loop import rehearse
+from harness.identify.design.discrimination import Noises, drift, regained
+from harness.identify.design.excitation import LIBRARY, room_of
+from harness.identify.filter.ekf import negative_two_log_likelihood
+from tests.identify.short_rig import GAIN, RADIUS, Short, short
+
+
+@pytest.fixture(scope="module")
+def radius(tmp_path_factory: pytest.TempPathFactory) -> Short:
+    """A rolling radius that a gain of the position sensor imitates to the last on 5 s of data."""
+    return short(tmp_path_factory.mktemp("radius"), {RADIUS: {"radius": 0.0112}}, GAIN)
+
+
+def test_innovations_follow_from_those_at_another_density(radius: Short) -> None:
+    """Get, by the steady linear filter, what the filter itself gives of a rival at another process noise.
+
+    Linear filtering is exact but for the first second, before gains are steady, and for what depends on position and
+    angle in the tilt, sin α ≈ α and s α̇²: 1e-3 of it. Dry friction, which holds the ball at turning points, is left out
+    here; a gain of the sensor scales the process noise that the readings see.
+    """
+    frictionless = replace(radius.problem, declared=())
+    room = room_of(frictionless)
+    (profile,) = (one for one in LIBRARY if one.name == "quick ramps")
+    made = rehearse(frictionless, radius.found.best, radius.found.density, profile, room)
+    assert made is not None
+    noises = Noises.of(room.interval, frictionless.noise, 1e-6)
+    best = radius.rival.best
+    gain, _ = frictionless.sensor(best.effects)
+
+    def innovations(density: float) -> FloatArray:
+        found = frictionless.filtered(made.record, best.effects, 0.0, density / gain**2, reading=made.reading)
+        return found.innovation[1:]
+
+    later = slice(round(2.0 / room.interval), None)
+    for number in (1, 3):
+        direct = innovations(float(noises.density[number]))
+        by_filter = noises.filtered(innovations(1e-4)[:, None])[number, :, 0]
+        difference = np.sqrt(np.mean((direct - by_filter)[later] ** 2) / np.mean(direct[later] ** 2))
+        assert difference < 1e-3, number
+
+
+def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
+    """Charge a density that is too large with what it adds to the deviance of simulated noise."""
+    problem, true = radius.problem, 1e-8
+    room = room_of(problem)
+    (profile,) = (one for one in LIBRARY if one.name == "slow swing")
+    values = replace(radius.found.best, effects=())
+    frictionless = replace(problem, declared=())
+    made = rehearse(frictionless, values, true, profile, room)
+    assert made is not None
+    noises = Noises.of(room.interval, problem.noise, true)
+    generator = np.random.default_rng(0)
+    number, costs = 4, []
+    for _ in range(40):
+        kicks = math.sqrt(true * room.interval) * generator.standard_normal(len(made.reading))
+        path = np.cumsum(np.cumsum(kicks)) * room.interval
+        noisy = made.reading + path + math.sqrt(problem.noise) * generator.standard_normal(len(path))
+        noisy[0] = made.reading[0]
+        deviances = []
+        for density in (float(noises.density[0]), float(noises.density[number])):
+            out = frictionless.filtered(made.record, (), 0.0, density, None, noisy)
+            later = slice(round(4.0 / room.interval), None)  # steady by then
+            deviances.append(negative_two_log_likelihood(out.innovation[later], out.innovation_variance[later]))
+        costs.append((deviances[1] - deviances[0]) / len(made.record.time[later]))
+    error = np.std(costs) / math.sqrt(len(costs))
+    assert noises.cost[number] > 10.0 * error  # else the comparison would say nothing
+    assert abs(np.mean(costs) - noises.cost[number]) < 3.0 * error
+
+
+def test_a_model_is_not_apart_from_itself(radius: Short) -> None:
+    """Regain nothing where the rival is what the recording was made with."""
+    room = room_of(radius.problem)
+    made = rehearse(radius.problem, radius.found.best, radius.found.density, LIBRARY[0], room)
+    assert made is not None
+    noises = Noises.of(room.interval, radius.problem.noise, radius.found.density)
+    assert regained(radius.problem, made, radius.found, noises) == pytest.approx(0.0, abs=1e-6)
+    assert drift(radius.problem, radius.found, made) > 0.0

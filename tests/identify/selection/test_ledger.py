@@ -1,0 +1,154 @@
+"""The ledger as a record: hashes that pin what was done, and a replay that decides it again."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.cli.outputs import to_json
+from harness.identify.problem.problem import Problem
+from harness.identify.problem.settings import Settings
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger_record import digest, ledger_record
+from harness.identify.selection.replay import replay
+from harness.identify.selection.search import Selection, search
+from tests.posed import pose
+
+HIDDEN = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
+INPUTS = {"hashes": {"rec_01.csv": "0123"}, "versions": {"numpy": "2.0"}}
+
+
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Selection]:
+    """A search that finds two effects, and so keeps, swaps and drops some."""
+    problem = pose(tmp_path_factory.mktemp("two") / "case", 0, HIDDEN).problem
+    return problem, search(problem)
+
+
+@pytest.fixture(scope="module")
+def kept(searched: tuple[Problem, Selection]) -> dict[str, Any]:
+    """Its record, through JSON and back."""
+    return json.loads(to_json(ledger_record(*searched, INPUTS)))
+
+
+def test_every_line_is_decided_by_the_criterion(searched: tuple[Problem, Selection]) -> None:
+    """Come to every decision, gain and reason from the line's own fits and evidence."""
+    problem, selection = searched
+    criterion = Criterion(problem.settings)
+    for line in selection.ledger:
+        assert criterion.decide(line.rule, line.fit, line.against, line.evidence) == line.decision
+        assert set(line.beside) <= set(line.against.hypothesis.names) & set(line.fit.hypothesis.names)
+        assert not set(line.beside) & set(line.effects)
+
+
+def test_the_search_adds_drops_and_swaps(searched: tuple[Problem, Selection]) -> None:
+    """Hold each of two effects against none and against all others, and find both."""
+    selection = searched[1]
+    assert {Rule.ADD, Rule.DROP, Rule.SWAP} <= {line.rule for line in selection.ledger}
+    assert set(selection.found.hypothesis.names) == set(HIDDEN)
+
+
+def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, Selection], kept: dict[str, Any]) -> None:
+    """Find every hash, deviance and decision again."""
+    done = replay(kept, searched[0])
+    assert done.mismatches == ()
+    # the same code on the same processor sums the same terms in the same order
+    assert done.largest == 0.0
+    assert done.attempts == len(searched[1].ledger)
+
+
+def rehashed(line: dict[str, Any]) -> None:
+    """Give a line the hash of its content, as who forges it well would."""
+    line["hash"] = digest({key: value for key, value in line.items() if key != "hash"})
+
+
+def _parameter(record: dict[str, Any]) -> str:
+    """Another coefficient of the first attempt."""
+    record["fits"][record["ledger"][0]["fit"]]["parameters"][0] += 0.05
+    return "deviance"
+
+
+def _decision(record: dict[str, Any]) -> str:
+    """Something else is kept."""
+    line = next(line for line in record["ledger"] if not line["kept"])
+    line["kept"] = True
+    rehashed(line)
+    return "not kept, recorded as kept"
+
+
+def _gain(record: dict[str, Any]) -> str:
+    """A rival's gain is talked down."""
+    record["ledger"][1]["gain"] -= 1.0
+    rehashed(record["ledger"][1])
+    return "gain"
+
+
+def _hash(record: dict[str, Any]) -> str:
+    """The reason is another one."""
+    record["ledger"][1]["because"] = "nobody knows"
+    return "does not give its hash"
+
+
+def _mass(record: dict[str, Any]) -> str:
+    """Another rig."""
+    record["problem"]["rig"]["mass"] *= 1.001
+    return "rig is"
+
+
+def _threshold(record: dict[str, Any]) -> str:
+    """Another threshold is claimed."""
+    record["problem"]["settings"]["keep"] = 1.0
+    return "settings is"
+
+
+def _version(record: dict[str, Any]) -> str:
+    """Other software is claimed."""
+    record["problem"]["inputs"]["versions"]["numpy"] = "1.0"
+    return "does not give its hash"
+
+
+@pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _hash, _mass, _threshold, _version])
+def test_what_was_changed_is_named(
+    searched: tuple[Problem, Selection], kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
+) -> None:
+    """Name what no longer comes out, or the hash that no longer fits."""
+    record = copy.deepcopy(kept)
+    text = forge(record)
+    said = [one.what for one in replay(record, searched[0]).mismatches]
+    assert any(text in one for one in said), said
+
+
+@pytest.mark.parametrize("rule", [Rule.ADD, Rule.DROP, Rule.SWAP])
+def test_every_kind_of_decision_is_decided_anew(
+    searched: tuple[Problem, Selection], kept: dict[str, Any], rule: Rule
+) -> None:
+    """Notice of each rule that a decision was turned round, hashes and all."""
+    record = copy.deepcopy(kept)
+    line = next(line for line in record["ledger"] if line["rule"] == rule)
+    line["kept"] = not line["kept"]
+    rehashed(line)
+    assert any("recorded as" in one.what for one in replay(record, searched[0]).mismatches)
+
+
+def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
+    """Reproduce nothing from recordings of the same rig with other noise."""
+    other = pose(tmp_path / "case", 1, HIDDEN).problem
+    said = [one.what for one in replay(kept, other).mismatches]
+    assert sum("deviance" in one for one in said) == len(kept["fits"])
+
+
+def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) -> None:
+    """Decide again a search that tried a runner-up as well, and held both ends against each other."""
+    # as if much were left: nothing counts as explained, any runner-up may begin, and spline terms never pay
+    never = Settings(explained_ratio=0.0, restart_share=0.0, restart_slack=1e9, spline_keep=1e9)
+    problem = replace(searched[0], settings=never)
+    selection = search(problem)
+    assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}
+    record = json.loads(to_json(ledger_record(problem, selection, INPUTS)))
+    assert replay(record, problem).mismatches == ()

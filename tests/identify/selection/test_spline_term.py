@@ -1,0 +1,128 @@
+"""Curves of unknown law, and how hypotheses become numbers and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+
+from analytic.law import acceleration, dry_limit
+from analytic.models import CAM, MOST_NODES, ORIGIN, RESPONSE, SHAPE, SLOTS, WEIGHT, coefficients
+from analytic.motion import FloatArray
+from analytic.rig import Rig
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
+from tests.posed import Posed
+
+NODES = DEFAULT.spline_nodes
+BENT = Shape(Depends.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES)))
+ROUND = replace(blank(Depends.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
+
+
+def spline(shape: Shape, where: FloatArray) -> FloatArray:
+    """The curve by scipy: slopes are central differences, at the ends those of the last two nodes."""
+    places, nodes = shape.places, shape.nodes
+    if shape.turning:  # three turns of it, of which the middle one is far from either end
+        places = shape.low + shape.step * np.arange(-len(nodes), 2 * len(nodes))
+        nodes, where = np.tile(nodes, 3), (where - shape.low) % (2.0 * np.pi) + shape.low
+    inside = np.clip(where, places[0], places[-1])
+    return np.asarray(CubicHermiteSpline(places, nodes, np.gradient(nodes, shape.step))(inside))
+
+
+@pytest.mark.parametrize("shape", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
+def test_a_curve_is_the_spline_through_its_nodes(shape: Shape) -> None:
+    """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a turn."""
+    np.testing.assert_allclose(shape.at(shape.places), shape.nodes, rtol=1e-12)
+    where = np.linspace(-3.0, 13.0, 1001)
+    # The place among the nodes is rounded by 1e-16 · 13/0.02 = 7e-14, times slopes of order 1 a node.
+    np.testing.assert_allclose(shape.at(where), spline(shape, where), atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [BENT, ROUND], ids=["bent", "round"])
+def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(shape: Shape) -> None:
+    """Keep every node, add one between two, and move no further than a spline's slopes change."""
+    finer = shape.finer()
+    assert len(finer.nodes) == 2 * NODES - (0 if shape.turning else 1) <= MOST_NODES
+    np.testing.assert_allclose(finer.nodes[::2], shape.nodes, rtol=1e-12)
+    where = np.linspace(0.1, 0.54, 101)
+    # Nodes are sin n: slopes by differences are cos n sin(1), by half as wide ones cos n · 2 sin(1/2) (both before what
+    # the first spline rounds off); they differ by 0.12, which a cubic turns into 0.12 · 4/27 at most, twice.
+    np.testing.assert_allclose(finer.at(where), shape.at(where), atol=2.0 * 0.12 * 4.0 / 27.0)
+
+
+@pytest.mark.parametrize(("depends", "friction"), [kind for kind in KINDS if kind[0] is not Depends.TIME])
+def test_the_kernel_feels_the_curve(depends: Depends, friction: bool) -> None:
+    """Push the ball, or hold it, by the curve at the ball's position, velocity, angle or the angle that it lies at."""
+    p = coefficients(CAM, Rig())
+    p[ORIGIN] = 0.2
+    without, resisted = acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p), dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
+    shape = replace(blank(depends, friction, -1.0, 1.0), nodes=np.linspace(0.01, 0.03, NODES))
+    if shape.turning:
+        shape = replace(ROUND, friction=friction, nodes=shape.nodes)
+    shape.write(p, phase=1.0)
+    felt = {
+        Depends.POSITION: 0.3,
+        Depends.VELOCITY: 0.1,
+        Depends.ANGLE: 0.02,
+        Depends.ROLL_ANGLE: (0.3 - 0.2) / Rig().rolling_radius + 1.0,
+    }[depends]
+    (expected,) = shape.at(np.array([felt])) * p[RESPONSE]
+    if friction:
+        assert resisted == 0.0
+        held = dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
+        assert held == pytest.approx(expected * p[WEIGHT] * np.cos(0.02), rel=1e-12)
+    else:
+        # a difference of accelerations of order 0.1 is rounded by 1e-17, of forces of order 0.01
+        assert acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p) - without == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("shape", [BENT, ROUND.finer()])
+def test_a_record_holds_all_but_the_values(shape: Shape) -> None:
+    """Come back from JSON as the same curve that is nothing yet."""
+    again = Shape.of(shape.record())
+    assert replace(again, nodes=shape.nodes).record() == shape.record()
+    np.testing.assert_array_equal(again.places, shape.places)
+    with pytest.raises(ValueError, match="99 nodes"):
+        Shape.of({**shape.record(), "nodes": 99})
+
+
+def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
+    """Add f/g to the angle and nothing to its rates; a friction of time becomes a column of its own."""
+    record, gravity = plain.problem.records[0], plain.problem.rig.gravity
+    force = Shape(Depends.TIME, False, 0.0, 16.0 / (NODES - 1), np.linspace(0.0, 0.5, NODES))
+    loaded = force.load(record.table, record.times, gravity)
+    np.testing.assert_allclose(loaded[:, 0] - record.table[:, 0], force.at(record.times) / gravity, atol=1e-15)
+    np.testing.assert_array_equal(loaded[:, 1:], record.table[:, 1:])
+    p = np.zeros(SLOTS)
+    force.write(p)
+    assert p[SHAPE] == 0.0
+    dry = Shape(Depends.TIME, True, force.low, force.step, force.nodes)
+    column = dry.load(record.table, record.times, gravity)
+    np.testing.assert_array_equal(column[:, -1], dry.at(record.times))
+
+
+@pytest.mark.parametrize(("depends", "friction"), KINDS)
+def test_a_blank_curve_changes_nothing(plain: Posed, depends: Depends, friction: bool) -> None:
+    """Predict with a curve of zeros exactly what is predicted without one."""
+    shape = blank(depends, friction, 0.0, 1.0)
+    without, with_curve = (plain.problem.deviance((), np.zeros(2), 1e-8, one) for one in (None, shape))
+    assert with_curve == pytest.approx(without, rel=1e-9)
+
+
+@pytest.mark.parametrize("names", [(), ("track_curvature", "rolling_radius"), ("level_error", "ball_imbalance")])
+def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...]) -> None:
+    """Read starts as effects with values, within bounds, a phase a recording and a node a number; and back."""
+    hypothesis = Hypothesis(names, BENT)
+    known = dict.fromkeys(hypothesis.parameters, 0.01)
+    (start,) = hypothesis.starts(plain.problem, known, 1e-5)
+    low, high = hypothesis.bounds(plain.problem)
+    assert len(start) == len(low) == len(high) == hypothesis.size(plain.problem)
+    assert np.all((low <= start) & (start <= high))
+    read = hypothesis.read(start, plain.problem)
+    assert [value for one in read.effects for value in one.values.values()] == pytest.approx(list(known.values()))
+    assert len(read.phases) == len(plain.problem.records)
+    assert read.shape is not None
+    np.testing.assert_allclose(read.shape.nodes, BENT.nodes, rtol=1e-12)

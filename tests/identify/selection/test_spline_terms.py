@@ -1,0 +1,117 @@
+"""A spline term of unknown law has to act again: a dozen parameters can follow what happened once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.identify.estimate.fit import Fit, fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.prepare import problem_of
+from harness.identify.problem.problem import Problem
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.problem.spline_term import Depends, blank, visited
+from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.ledger import Ledger
+from harness.identify.selection.spline_terms import held_out_deviances, with_spline_term
+from harness.identify.verdict import Verdict, identify
+from harness.recording import load_case
+from harness.simulator import Experiment, write_case
+from tests.posed import DECLARED, pose
+
+# So strong that half of it in either recording pays for a curve when it blew in one of them.
+GUST = {"gust": {"force": 0.02, "start": 5.0, "end": 8.0}}
+
+
+def blown(folder: Path, *, both: bool) -> Problem:
+    """Two recordings with a gust at the same instant in both, or in the first only."""
+    gusty = Experiment(declared=DECLARED, unlisted=GUST, predict=0, seed=1)
+    first, second = gusty.recordings()
+    if not both:
+        _, second = replace(gusty, unlisted={}).recordings()
+    write_case(folder, gusty, (first, second))
+    return problem_of(load_case(folder))[0]
+
+
+def with_and_without(problem: Problem) -> tuple[Fit, Fit]:
+    """Fits without a curve and with one of time."""
+    found = fit(problem, Hypothesis(()))
+    curve = blank(Depends.TIME, False, *visited(problem, Depends.TIME))
+    return found, fit(problem, Hypothesis((), curve), density=found.density)
+
+
+def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
+    """Whether the criterion keeps the spline term by what it predicts of held-out recordings."""
+    before, after = held_out_deviances(problem, found, best, lambda _: None)
+    evidence = Evidence(winner=best, before=before, after=after)
+    return Criterion().decide(Rule.SPLINE, best, found, evidence).kept
+
+
+@pytest.mark.parametrize("both", [True, False], ids=["in both", "in one"])
+def test_a_gust_is_a_curve_of_time_only_if_it_comes_again(tmp_path: Path, both: bool) -> None:
+    """Let a curve of time stand that predicts a recording it was not fitted to, and no other, much as it gains."""
+    problem = blown(tmp_path / "case", both=both)
+    found, best = with_and_without(problem)
+    assert Criterion().gain(best, found) > DEFAULT.spline_keep  # it follows what happened in either case
+    assert recurs(problem, found, best) is both
+
+
+def test_one_recording_cannot_tell(tmp_path: Path) -> None:
+    """Take the curve's gain for what it is where there is no second recording to ask."""
+    problem = blown(tmp_path / "case", both=False)
+    alone = replace(problem, records=problem.records[:1])
+    found, best = with_and_without(alone)
+    assert Criterion().gain(best, found) > DEFAULT.spline_keep
+    assert recurs(alone, found, best)
+
+
+def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) -> None:
+    """Carry a force on beyond where the ball has been, instead of leaving it to chance."""
+    hill = {"force_hill": {"force": 0.01, "start": 0.29, "end": 0.36}}
+    problem = pose(tmp_path / "case", 2, unlisted=hill).problem
+    low, high = visited(problem, Depends.POSITION)
+    assert high < 0.55
+    start = fit(problem, Hypothesis(()))
+    found = fit(problem, Hypothesis((), blank(Depends.POSITION, False, low, 0.7)), density=start.density)
+    assert found.best.shape is not None
+    beyond = found.best.shape.nodes[found.best.shape.places > high + found.best.shape.step]
+    assert len(beyond) > 1
+    # nothing but the difference from its neighbour holds such a node; the last one visited is held by readings
+    np.testing.assert_allclose(beyond, beyond[0], atol=1e-3 * np.ptp(found.best.shape.nodes))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "values", "depends", "friction"),
+    [
+        ("out_of_round", {"torque": 5e-5}, Depends.ROLL_ANGLE, False),
+        ("sticky_spot", {"coefficient": 0.015, "width": 0.3}, Depends.ROLL_ANGLE, True),
+        ("magnet", {"force": -0.01, "centre": 0.35, "distance": 0.05}, Depends.POSITION, False),
+    ],
+    ids=["out of round", "sticky spot", "magnet"],
+)
+def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_curve(
+    tmp_path: Path, name: str, values: dict[str, float], depends: Depends, friction: bool
+) -> None:
+    """Name no effect beside the curve of what acts, however the ball lay at the start of each recording."""
+    said = identify(pose(tmp_path / "case", 3, unlisted={name: values}).problem)
+    shape = said.found.best.shape
+    assert said.verdict is Verdict.UNLISTED
+    assert not said.effects
+    assert shape is not None
+    assert (shape.depends, shape.friction) == (depends, friction)
+    assert said.found.root_density < 0.1 * said.base.root_density
+
+
+@pytest.mark.slow
+def test_a_single_gust_leaves_a_reason_in_the_ledger(tmp_path: Path) -> None:
+    """Keep the fit without a curve of time, and say why the best curve was not kept."""
+    problem = blown(tmp_path / "case", both=False)
+    found = fit(problem, Hypothesis(()))
+    ledger = Ledger(Criterion())
+    assert with_spline_term(problem, found, ledger, lambda _: None) is found
+    assert not any(line.kept for line in ledger.lines)
+    assert "does not predict the others" in ledger.lines[0].because

@@ -1,0 +1,140 @@
+"""Baselines: they find what they can know, and see no more of a window than its beginning."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_simpson
+from scipy.signal import lfilter
+
+from analytic.rig import Rig
+from harness.identify.problem.prepare import problem_of
+from harness.identify.problem.problem import Record
+from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
+from harness.identify.validation.baselines import (
+    DoubleIntegrator,
+    OutputError,
+    fit_double_integrator,
+    fit_output_error,
+)
+from harness.recording import load_case
+from harness.signals.drive import make_drive
+from harness.simulator import Experiment, write_case
+from tests.posed import Posed
+
+STEP = 0.02  # [s]
+
+
+@pytest.fixture(scope="module")
+def beam() -> Record:
+    """A beam that swings at three rates for 17 s; the ball is still to be put on it."""
+    time = STEP * np.arange(851)
+    angle = 0.03 * np.sin(1.1 * time) + 0.02 * np.sin(2.7 * time + 1.0) + 0.01 * np.sin(6.3 * time)
+    return Record("made", time, np.zeros_like(time), make_drive(time, angle))
+
+
+def test_windows_tile_the_recording(beam: Record) -> None:
+    """Predict every reading between 2 s and the last whole window's end once, from the 2 s before its window."""
+    windows = windows_of((beam,))
+    judged = np.concatenate([beam.time[one.use][one.judged] for one in windows])
+    np.testing.assert_array_equal(
+        judged, beam.time[(beam.time > KNOWN - 1e-9) & (beam.time < KNOWN + 5 * AHEAD - 1e-9)]
+    )
+    for one in windows:
+        assert one.known.sum() == round(KNOWN / STEP)
+        assert one.time[one.known][-1] < one.time[one.judged][0]
+
+
+def test_a_window_without_readings_is_left_out(beam: Record) -> None:
+    """Predict nothing from nothing: a gap takes away the windows that begin or end in it."""
+    gap = np.where((beam.time >= 3.0) & (beam.time < 5.0), np.nan, beam.reading)
+    assert [one.begin for one in windows_of((replace(beam, reading=gap),))] == [0.0, 6.0, 9.0, 12.0]
+
+
+def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None:
+    """Find K g on a rig of the virtual plant where it is nearly the whole truth.
+
+    What the integrator does not know is d = K (s α̇² − ℓ α̈ + g (sin α − α)), small where the pivot lies such that ℓ = 0.
+    Of its double integral D the part along the driven column a, both without what a start and an offset can take, moves
+    the gain by at most ‖D‖/‖a‖ (Cauchy-Schwarz); the noise of n readings by σ/‖a‖, of which four are allowed.
+    """
+    rig = Rig()
+    rig = rig.with_(eccentricity=rig.eccentricity - rig.lever)
+    truth = write_case(tmp_path / "case", Experiment(rig=rig, predict=0, seed=3))
+    problem, _ = problem_of(load_case(tmp_path / "case"))
+    windows = windows_of(problem.records)
+    missed, column = [], []
+    for window in windows:
+        (told,) = [one for one, record in zip(truth, problem.records, strict=True) if record is window.record]
+        s, t = told.position[window.use], window.time
+        alpha, rate = window.record.drive.angle(t + window.begin), window.record.drive.rate(t + window.begin)
+        d = rig.rolling_ratio * (s * rate**2 + rig.gravity * (np.sin(alpha) - alpha))
+        D = cumulative_simpson(cumulative_simpson(d, x=t, initial=0.0), x=t, initial=0.0)
+        others, _ = np.linalg.qr(np.column_stack((np.ones_like(t), t, t**2)))
+        a = DoubleIntegrator().driven(window)[:, 0]
+        missed.append(D - others @ (others.T @ D))
+        column.append(a - others @ (others.T @ a))
+    size = float(np.linalg.norm(np.concatenate(column)))
+    allowed = (float(np.linalg.norm(np.concatenate(missed))) + 4.0 * math.sqrt(problem.noise)) / size
+    found = fit_double_integrator(windows).gains[0]
+    assert abs(found - rig.rolling_ratio * rig.gravity) < allowed
+    assert allowed < 0.02 * found  # or it would say nothing
+
+
+@pytest.mark.parametrize("poles", [(1.2, 9.0), (0.8, -2.0), (6.0, 5.0)], ids=["swings", "runs away", "damped"])
+def test_the_black_box_finds_a_system_of_order_two(beam: Record, poles: tuple[float, float]) -> None:
+    """Find F and B of a known B/F from readings without noise, and predict it.
+
+    Without noise the least sum of squares is zero at the truth; the search ends where a step changes it by less than
+    1e-8 of itself, and slopes by differences of 1e-4 have errors of that order: 1e-4 of a pole is what may be left.
+    """
+    B = np.array([2e-3, -1e-3, 5e-4])
+    F = OutputError(poles).denominator(STEP)
+    made = replace(beam, reading=lfilter(B, F, beam.drive.angle(beam.time)))
+    windows = windows_of((made,))
+    seen, ahead = windows[:3], windows[3:]
+    found = fit_output_error(seen)
+    assert isinstance(found.law, OutputError)
+    assert found.law.poles == pytest.approx(poles, rel=1e-4, abs=1e-4)
+    np.testing.assert_allclose(found.gains[:3], B, rtol=1e-2)
+    assert all(one.rms_error(found.predict(one)) < 1e-4 * np.ptp(one.reading) for one in ahead)
+
+
+def test_the_chart_of_poles_is_that_of_sampled_differential_equations() -> None:
+    """F has the roots exp(λ T) of λ² + f₁ λ + f₀ = 0, be they real or complex."""
+    for first, zeroth in ((1.2, 9.0), (0.8, -2.0), (6.0, 5.0), (0.0, 0.0)):
+        roots = np.exp(STEP * np.roots([1.0, first, zeroth]).astype(complex))
+        np.testing.assert_allclose(OutputError((first, zeroth)).denominator(STEP), np.poly(roots), atol=1e-12)
+
+
+def test_uneven_stamps_are_no_hindrance(beam: Record) -> None:
+    """Predict as well where stamps jitter: the angle is known between them.
+
+    Columns are interpolated between even times 20 ms apart: |s̈| < 1 m/s² leaves 1/8 · 0.02² = 5e-5 m.
+    """
+    rng = np.random.default_rng(0)
+    time = beam.time + rng.uniform(-0.3, 0.3, len(beam.time)) * STEP
+    window = Window(replace(beam, time=time), float(time[0]), slice(0, 250))
+    even = Window(beam, 0.0, slice(0, 250))
+    driven = DoubleIntegrator().driven(even)[:, 0]
+    there = np.interp(window.time + window.begin, even.time, driven)
+    inside = window.time + window.begin < even.time[-1]
+    # begun at another time, the integral differs by a start: a straight line, whose slope and place are free
+    line = np.polyfit(window.time[inside], (DoubleIntegrator().driven(window)[:, 0] - there)[inside], 1)
+    rest = DoubleIntegrator().driven(window)[:, 0] - there - np.polyval(line, window.time)
+    assert np.max(np.abs(rest[inside])) < 1e-4
+
+
+def test_predictions_know_the_beginning_only(plain: Posed) -> None:
+    """Stay the same when everything after the known part of a window is changed."""
+    windows = windows_of(plain.problem.records)
+    for fitted in (fit_double_integrator(windows), fit_output_error(windows)):
+        before = fitted.predict(windows[0])
+        reading = windows[0].record.reading.copy()
+        reading[windows[0].use][windows[0].judged] += 0.1
+        after = fitted.predict(replace(windows[0], record=replace(windows[0].record, reading=reading)))
+        np.testing.assert_array_equal(before, after)

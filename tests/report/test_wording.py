@@ -1,0 +1,125 @@
+"""The verdict in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analytic.effects import CATALOGUE
+from analytic.rig import Rig
+from harness.identify.diagnosis import Diagnosis
+from harness.identify.estimate.fit import Fit
+from harness.identify.problem.hypothesis import Hypothesis, Values
+from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.validation.held_out import BeforeAfter, Errors
+from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
+from harness.report.wording import DEPENDENCES, error_size, phrase, sentence
+from tests.posed import Posed
+
+ROLLING = IdentifiedEffect("rolling_resistance", {"coefficient": Estimate(0.0041, 0.0037, 0.0045, "1")}, ())
+LEVEL = IdentifiedEffect("level_error", {"angle": Estimate(-0.0025, -0.00251, -0.00249, "rad")}, ())
+
+
+def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] = (), **changes: Any) -> str:
+    """The sentence of a diagnosis with these findings, whose held-out error falls from 174 mm to 0.3 mm."""
+    names = tuple(one.name for one in findings)
+    at = Values(records=(), effects=(), phases=np.zeros(2), shape=changes.get("shape"))
+    density = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
+    found = Fit(Hypothesis(names, at.shape), np.zeros(0), at, density, 0.0, np.zeros((0, 0)), posed.problem.readings)
+    rms = changes.get("rms", ({"1 s": 0.02, "whole": 0.174}, {"1 s": 0.0003, "whole": 0.0003}))
+    heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
+    unseen = changes.get("unseen", ())
+    return sentence(
+        Diagnosis(
+            posed.problem, verdict, findings, found, found, (), unseen, identify=heldout, heldout=heldout, engines={}
+        )
+    )
+
+
+def test_one_effect(plain: Posed) -> None:
+    """Name it in words, with its size and what it brings."""
+    assert said(plain, Verdict.EFFECT, (ROLLING,)) == (
+        "A rolling resistance of 0.0041 ± 0.0004 was missing; the held-out error falls from 174 mm to 0.30 mm."
+    )
+
+
+def test_two_effects_and_a_rival(plain: Posed) -> None:
+    """Say both, angles in degrees, and what one of them cannot be told from."""
+    level = IdentifiedEffect("level_error", LEVEL.parameters, ("track_curvature",))
+    assert said(plain, Verdict.EFFECT, (ROLLING, level)) == (
+        "A rolling resistance of 0.0041 ± 0.0004 and a level error of −0.1432 ± 0.0006° (or track curvature, which "
+        "these recordings do not tell from it) were missing; the held-out error falls from 174 mm to 0.30 mm."
+    )
+
+
+@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize("depends", Depends)
+def test_a_curve(plain: Posed, depends: Depends, friction: bool) -> None:
+    """Say what an unlisted law depends on, how large it gets, and what acts beside it."""
+    nodes = np.zeros(12)
+    nodes[4] = -0.05
+    text = said(plain, Verdict.UNLISTED, (ROLLING,), shape=Shape(depends, friction, 0.0, 0.1, nodes))
+    assert DEPENDENCES[depends] in text
+    force = 1e3 * plain.problem.rig.mass * 0.05
+    assert ("0.050 of the normal force" if friction else f"up to {force:.1f} mN") in text
+    assert "beside a rolling resistance of 0.0041 ± 0.0004; the held-out error falls" in text
+
+
+def test_nothing(plain: Posed) -> None:
+    """Say that nothing is missing, and how large the error is."""
+    text = said(plain, Verdict.NONE)
+    assert text.startswith("Nothing is missing beyond the noise")
+    assert text.endswith("the held-out error is 174 mm.")
+
+
+def test_what_cannot_be_told(plain: Posed) -> None:
+    """Name what would have gone unseen, and count what is too much to name."""
+    unseen = ("rolling_resistance", "level_error", "track_bump", "angle_gain", "contact_slip", "position_lag", "x", "y")
+    assert "rolling resistance, level error, track bump, angle gain, contact slip and 3 more" in said(
+        plain, Verdict.NOT_IDENTIFIABLE, unseen=unseen
+    )
+
+
+def test_what_is_left_unexplained(plain: Posed) -> None:
+    """Say by how much more is left than the angle's error leaves, where nothing explains it."""
+    text = said(plain, Verdict.NOT_IDENTIFIABLE, left=54.0)
+    assert "54 times as hard as the error of the angle" in text
+    assert "no law that was tried" in text
+
+
+def test_short_recordings_tell_what_they_can(plain: Posed) -> None:
+    """Fall back on the longest windows, or say that nothing could be held out; never call a rise a fall."""
+    window = said(plain, Verdict.EFFECT, (ROLLING,), rms=({"1 s": 0.02}, {"1 s": 0.001}))
+    assert "the held-out error over 1 s falls from 20.0 mm to 1.0 mm" in window
+    assert "too short" in said(plain, Verdict.EFFECT, (ROLLING,), rms=({}, {}))
+    assert "does not fall but goes from 1.0 mm to" in said(
+        plain, Verdict.EFFECT, (ROLLING,), rms=({"whole": 0.001}, {"whole": 0.002})
+    )
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_effect_has_words(name: str) -> None:
+    """Say every effect with each of its values once, its interval, and no underscore."""
+    values = {
+        one.name: Estimate(one.typical, one.typical * 0.9, one.typical * 1.1, one.unit)
+        for one in CATALOGUE[name].parameters
+    }
+    text = phrase(IdentifiedEffect(name, values, ()), Rig())
+    assert text.count("±") == len(values)
+    assert "_" not in text
+    assert "{" not in text
+
+
+def test_an_effect_of_ones_own_has_words_too() -> None:
+    """Say an effect that nobody wrote a phrase for by its name and parameters."""
+    own = IdentifiedEffect("air_cushion", {"lift_force": Estimate(0.01, 0.009, 0.011, "N")}, ())
+    assert phrase(own, Rig()) == "an air cushion (lift force 0.0100 ± 0.0010 N)"
+
+
+def test_errors_have_fitting_units() -> None:
+    """Say errors in millimetres, from a metre on in metres."""
+    assert [error_size(one) for one in (0.00035, 0.0041, 0.0174, 0.174, 0.9996, 1.71)] == [
+        "0.35 mm", "4.1 mm", "17.4 mm", "174 mm", "1.00 m", "1.71 m"
+    ]  # fmt: skip
