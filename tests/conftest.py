@@ -6,12 +6,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tests.posed import Posed, pose
 from tests.shared_data import SHARED
 
 Establish = Callable[..., None]
 _KEY = "accuracy"
+
+# How long an example takes says how busy a machine is, and nothing of what is tested.
+settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy")
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
+from typing import Any, Protocol
 
 import numpy as np
 import pytest
@@ -14,18 +15,30 @@ from harness.comparison.sources import SourceRuns, run_engine, run_models
 from harness.engines.catalogue import engine_of, parameters_of
 
 
-def split(setting: Setting, name: str, **settings: Any) -> tuple[Attribution | None, SourceRuns, SourceRuns]:
+class Split(Protocol):
     """The attribution of one engine's free run, that run, and CAM's."""
-    engine, whole = engine_of(name), setting.horizons[0]
-    parameters = parameters_of(engine, settings)
-    own, (cam,) = run_engine(setting, engine, parameters, whole), run_models(setting, [CAM], whole)
-    return attribute(setting, engine, parameters, own, cam), own, cam
+
+    def __call__(self, name: str, **settings: Any) -> tuple[Attribution | None, SourceRuns, SourceRuns]:
+        """By the engine's name and settings other than its own."""
+
+
+@pytest.fixture(scope="module")
+def split(bundled: Setting) -> Split:
+    """Split a run on the bundled recording; what was asked for before is not run again."""
+
+    @cache
+    def of(name: str, parameters: Any) -> tuple[Attribution | None, SourceRuns, SourceRuns]:
+        engine, whole = engine_of(name), bundled.horizons[0]
+        own, (cam,) = run_engine(bundled, engine, parameters, whole), run_models(bundled, [CAM], whole)
+        return attribute(bundled, engine, parameters, own, cam), own, cam
+
+    return lambda name, **settings: of(name, parameters_of(engine_of(name), settings))
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
-def test_parts_add_up(bundled: Setting, name: str) -> None:
+def test_parts_add_up(split: Split, bundled: Setting, name: str) -> None:
     """Add numerical part, contact model and physics up to engine − measured, stamp by stamp."""
-    parts, own, _ = split(bundled, name)
+    parts, own, _ = split(name)
     assert parts is not None
     total = parts.numerical + parts.contact + parts.physics
     error = own.position[0] - bundled.recording.position
@@ -36,9 +49,9 @@ def test_parts_add_up(bundled: Setting, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
-def test_numerical_part_shrinks_with_the_step(bundled: Setting, name: str) -> None:
+def test_numerical_part_shrinks_with_the_step(split: Split, name: str) -> None:
     """Shrink the numerical part with at least the first power of the step."""
-    parts = [split(bundled, name, time_step=dt)[0] for dt in (4e-3, 2e-3, 1e-3)]
+    parts = [split(name, time_step=dt)[0] for dt in (4e-3, 2e-3, 1e-3)]
     rms = [one.rms()["numerical"] for one in parts if one is not None]
     slope = np.polyfit(np.log([4e-3, 2e-3, 1e-3]), np.log(rms), 1)[0]
     # Both integrators promise order 1 and reach about 2 with mean rates; the contacts mix the two.
@@ -48,9 +61,9 @@ def test_numerical_part_shrinks_with_the_step(bundled: Setting, name: str) -> No
     assert rms[-1] < 5e-6  # at 1 ms both engines keep within 5 µm of CAM
 
 
-def test_measured_order_is_that_of_the_engine(bundled: Setting) -> None:
+def test_measured_order_is_that_of_the_engine(split: Split) -> None:
     """Find order 2 for PyBullet, whose drive is of second order (tests/engines/test_pybullet.py)."""
-    parts, _, _ = split(bundled, "pybullet")
+    parts, _, _ = split("pybullet")
     assert parts is not None
     assert parts.order == pytest.approx(2.0, abs=0.1)
     # An extrapolation with the right order leaves of the step's effect what is of the next order: with 1 instead of 2
@@ -65,10 +78,10 @@ def test_measured_order_is_that_of_the_engine(bundled: Setting) -> None:
         ("pybullet", {"rolling_friction": 1e-5}),
     ],
 )
-def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, settings: dict[str, Any]) -> None:
+def test_a_changed_contact_shows_as_contact_model(split: Split, name: str, settings: dict[str, Any]) -> None:
     """Blame the contact model for a contact that was softened or brakes, not the step and not the physics."""
-    right, own_right, _ = split(bundled, name)
-    wrong, own_wrong, _ = split(bundled, name, **settings)
+    right, own_right, _ = split(name)
+    wrong, own_wrong, _ = split(name, **settings)
     assert right is not None
     assert wrong is not None
     moved = np.sqrt(np.mean((own_wrong.position[0] - own_right.position[0])[wrong.use] ** 2))
@@ -79,18 +92,18 @@ def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, s
     assert wrong.rms()["physics"] == right.rms()["physics"]
 
 
-def test_physics_is_what_cam_lacks(bundled: Setting) -> None:
+def test_physics_is_what_cam_lacks(split: Split, bundled: Setting) -> None:
     """Take CAM − measured for physics, whatever the engine."""
-    one, _, cam = split(bundled, "mujoco")
-    other, _, _ = split(bundled, "pybullet")
+    one, _, cam = split("mujoco")
+    other, _, _ = split("pybullet")
     assert one is not None
     assert other is not None
     np.testing.assert_array_equal(one.physics, other.physics)
     np.testing.assert_array_equal(one.physics, cam.position[0] - bundled.recording.position)
 
 
-def test_a_failed_run_is_not_explained(bundled: Setting) -> None:
+def test_a_failed_run_is_not_explained(split: Split) -> None:
     """Explain nothing where the ball fell."""
-    parts, own, _ = split(bundled, "pybullet", contact_stiffness=10.0, contact_damping=0.1)
+    parts, own, _ = split("pybullet", contact_stiffness=10.0, contact_damping=0.1)
     assert own.failures
     assert parts is None

@@ -89,10 +89,15 @@ def test_absence_of_noise_is_found():
 
 def test_noise_of_a_continuous_reading_is_found():
     """Estimate the noise of a reading that is not rounded at all."""
-    truth = servo_angle(1).states(TIME)[:, 0]
-    reading = truth + 2e-3 * np.random.default_rng(0).standard_normal(len(truth))
-    # 1/√(2n) = 1.8 %, and what the signal's freedom takes of it
-    assert smooth_rounded(TIME, reading, 0.0, None)[2] == pytest.approx(2e-3, rel=0.06)
+    truth, n = servo_angle(1).states(TIME)[:, 0], len(TIME)
+    found = []
+    for seed in range(4):
+        reading = truth + 2e-3 * np.random.default_rng(seed).standard_normal(n)
+        smoothed, _, noise = smooth_rounded(TIME, reading, 0.0, None)
+        taken = np.sum(smoothed.covariance[:, 0, 0]) / noise**2  # degrees of freedom that the signal takes of n
+        found.append(noise / math.sqrt(1.0 - taken / n))
+    # n readings tell a deviation to 1/√(2n) = 1.8 %; three standard deviations of the mean of four
+    assert np.mean(found) == pytest.approx(2e-3, rel=3.0 / math.sqrt(2.0 * n * len(found)))
 
 
 def test_rough_noise_ignores_motion_and_spikes():

@@ -36,8 +36,8 @@ def test_nothing_fitted_has_no_interval(plain: Posed) -> None:
 def backlash(folder: Path) -> tuple[Problem, Fit]:
     """A trial with a wide play, read by a coarse encoder, in which one closing gap falls on the edge of a step.
 
-    The deviance has dips on either side of the edge, 0.02 typical sizes apart, and the rounding of a processor decides
-    in which of them a search ends. A search from the deepest point around its end stays in the deeper one.
+    The deviance has dips on either side of the edge, 0.02 typical sizes apart, and in which of them a search ends is
+    for the rounding of a processor to decide. A search from the deepest point around its end stays in the deeper one.
     """
     trials = (one for one in plan(("confusion",), seeds=1) if one.name == "linkage_backlash" and one.size == "large")
     problem = pose_trial(next(trials), folder)
