@@ -15,9 +15,10 @@ from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
-from harness.identify.problem.spline_term import Depends, blank, visited
+from harness.identify.problem.spline_term import Depends, blank
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
+from harness.identify.selection.spline_terms import visited
 from harness.identify.validation.held_out import fit_folds, on_held_out, on_identify
 from harness.identify.validation.residual_acceleration import trace
 from harness.identify.validation.whiteness import SIGNIFICANT

@@ -16,6 +16,7 @@ from analytic.models import ORIGIN
 from analytic.motion import FloatArray
 from analytic.step import advance
 from harness.identify.design.excitation import Profile, Room
+from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Values
 from harness.identify.problem.problem import Problem, Record
 from harness.identify.problem.spline_term import Depends
@@ -164,7 +165,7 @@ def _expect(
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
     record = Record(profile.name, room.time, reading, drive_through(room.time, states))
-    expected = problem.filtered(record, values.effects, 0.0, density, repeated(values).shape)
+    expected = run_filter(problem, record, repeated(values), density, phase=0.0)
     return Rehearsed(record, expected.recorded, expected.state[:, 0], size)
 
 

@@ -19,6 +19,7 @@ from analytic.motion import FloatArray
 from harness.identify.design.closed_loop import Rehearsed, repeated
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
+from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Values
 from harness.identify.problem.problem import Problem
 
@@ -100,7 +101,7 @@ def _steady(interval: float, noise: float, density: float, true: float) -> tuple
 def mean_innovations(problem: Problem, made: Rehearsed, values: Values) -> FloatArray:
     """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
     at = repeated(values)
-    out = problem.filtered(made.record, at.effects, float(at.phases[0]), _OPEN, at.shape, made.reading)
+    out = run_filter(problem, made.record, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
     return out.innovation[1:]
 
 
@@ -167,7 +168,7 @@ def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
         moved = numbers.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
         at = repeated(found.hypothesis.read(np.clip(moved, low, high), alone))
-        out = problem.filtered(made.record, at.effects, 0.0, found.density, at.shape)
+        out = run_filter(problem, made.record, at, found.density, phase=0.0)
         square += float(out.recorded[-1] - made.reading[-1]) ** 2
     noise = found.density * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

@@ -9,7 +9,8 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.estimate.roll_phase import phase_of
-from harness.identify.problem.problem import Filtered, Problem, Record
+from harness.identify.filter.run import FilterRun, run_filter
+from harness.identify.problem.problem import Problem, Record
 
 _DRAWS = 48
 
@@ -37,11 +38,10 @@ class Forecast:
         return {"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high}
 
 
-def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> Filtered:
+def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> FilterRun:
     """One recording under a fitted hypothesis, from other readings than its own; φ₀ is found from these."""
-    return problem.filtered(
-        record, found.best.effects, phase_of(problem, found, record, reading), found.density, found.best.shape, reading
-    )
+    phase = phase_of(problem, found, record, reading)
+    return run_filter(problem, record, found.best, found.density, phase=phase, reading=reading)
 
 
 def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, *, seed: int = 0) -> Forecast:
@@ -63,7 +63,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
         for _ in range(_DRAWS):
             numbers = np.clip(found.numbers + root @ generator.standard_normal(count), low, high)
             at = found.hypothesis.read(numbers, problem)
-            drawn = problem.filtered(record, at.effects, phase, found.density, at.shape, reading)
+            drawn = run_filter(problem, record, at, found.density, phase=phase, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
     return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])

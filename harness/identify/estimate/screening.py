@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.starts import attenuated, starting_points
 from harness.identify.filter.residuals import Misses
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -70,10 +71,10 @@ def screen(
     """
     far = without + _FAR * problem.readings
     found = []
-    for start in hypothesis.starts(problem, known, density):
+    for start in starting_points(problem, hypothesis, known, density):
         residuals = Misses(problem, hypothesis, density)
-        attenuated = (hypothesis.weaker(start, factor, known) for factor in _ATTENUATIONS)
-        near = next((one for one in attenuated if residuals.deviance(one) < far), start)
+        weaker = (attenuated(hypothesis, start, factor, known) for factor in _ATTENUATIONS)
+        near = next((one for one in weaker if residuals.deviance(one) < far), start)
         found.append(_one_step(problem, hypothesis, near, residuals, steps[0]))
     by_deviance = attrgetter("deviance")
     found.sort(key=by_deviance)

@@ -6,6 +6,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.filter.ekf import negative_two_log_likelihood, penalty
+from harness.identify.filter.run import innovations
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
@@ -23,7 +24,7 @@ class Misses:
         key = numbers.tobytes()
         if self._latest is None or self._latest[0] != key:
             at = self._hypothesis.read(numbers, self._problem)
-            self._latest = key, *self._problem.predict(at.effects, at.phases, self.density, at.shape)
+            self._latest = key, *innovations(self._problem, at, self.density)
         return self._latest[1:]
 
     def at(self, numbers: FloatArray) -> FloatArray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,11 +12,9 @@ from analytic.motion import FloatArray
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Shape
 
-_PHASES = 8  # tried around a turn: no further than 22° from the likeliest
 # Typical sizes by which neighbouring nodes of a curve differ, standard deviation: of a force, and of a friction, which
 # begins at an edge where a surface does.
 _UNEVEN = {False: 1.0, True: 3.0}
-_STARTS = 3  # that are looked at: of many places, the likeliest
 
 
 def phase_of(record: str) -> tuple[str, str]:
@@ -34,6 +30,13 @@ class Values:
     effects: tuple[Acting, ...]
     phases: FloatArray
     shape: Shape | None
+
+    def phase_of(self, record: str) -> float:
+        """φ₀ of a recording by name [rad]; 0 of one that these values are not of."""
+        return float(self.phases[self.records.index(record)]) if record in self.records else 0.0
+
+
+NOTHING = Values((), (), np.zeros(0), None)
 
 
 @dataclass(frozen=True)
@@ -66,24 +69,24 @@ class Hypothesis:
         """Whether it matters how the ball lies at the start of each recording."""
         return any(one.turning for one in self.effects) or (self.shape is not None and self.shape.turning)
 
-    def _tail(self, problem: Problem) -> tuple[int, int]:
+    def tail(self, problem: Problem) -> tuple[int, int]:
         """How many phases and how many nodes of a curve."""
         return len(problem.records) if self.turning else 0, len(self.shape.nodes) if self.shape else 0
 
     def size(self, problem: Problem) -> int:
         """How many numbers are fitted."""
-        return len(self._each) + sum(self._tail(problem))
+        return len(self._each) + sum(self.tail(problem))
 
     def scale(self, problem: Problem) -> FloatArray:
         """What one unit of each number is worth."""
-        phases, nodes = self._tail(problem)
+        phases, nodes = self.tail(problem)
         node = 0.0 if self.shape is None else 0.003 if self.shape.friction else 0.03
         sizes = [one.size(problem.rig) for one in self._each]
         return np.array(sizes + [1.0] * phases + [node] * nodes)
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest scaled numbers."""
-        free = sum(self._tail(problem))
+        free = sum(self.tail(problem))
         limits = [one.bounds_on(problem.visited, problem.rig) for one in self._each]
         low, high = np.array([*limits, *[(-np.inf, np.inf)] * free]).reshape(-1, 2).T
         scale = self.scale(problem)
@@ -113,53 +116,3 @@ class Hypothesis:
         phases = values[at : at + len(problem.records)] if self.turning else np.zeros(len(problem.records))
         shape = replace(self.shape, nodes=values[-len(self.shape.nodes) :]) if self.shape else None
         return Values(tuple(record.name for record in problem.records), tuple(acting), phases, shape)
-
-    def starts(self, problem: Problem, known: Mapping[tuple[str, str], float], density: float) -> list[FloatArray]:
-        """Where fits begin: from `known` values where there are any, else from the few places each law needs.
-
-        Args:
-            density: of the process noise with which phases and places are looked for [m²/s³].
-        """
-        choices = []
-        for effect in self.effects:
-            keys = [(effect.name, parameter.name) for parameter in effect.parameters]
-            if all(key in known for key in keys):
-                choices.append([[known[key] for key in keys]])
-            else:
-                each = (one.starts_on(problem.visited, problem.rig) for one in effect.parameters)
-                choices.append([list(one) for one in itertools.product(*each)])
-        nodes = list(self.shape.nodes) if self.shape else []
-        starts = []
-        for one in itertools.product(*choices):
-            values = [value for each in one for value in each]
-            numbers = np.array([*values, *[0.0] * self._tail(problem)[0], *nodes]) / self.scale(problem)
-            starts.append(self._phased(numbers, problem, known, density))
-        if len(starts) <= _STARTS:
-            return starts
-
-        def deviance(numbers: FloatArray) -> float:
-            at = self.read(numbers, problem)
-            return problem.deviance(at.effects, at.phases, density, at.shape)
-
-        return sorted(starts, key=deviance)[:_STARTS]
-
-    def weaker(self, numbers: FloatArray, factor: float, known: Mapping[tuple[str, str], float]) -> FloatArray:
-        """`numbers` with the effects that are not `known` at `factor` of their size."""
-        sizes = {(effect.name, name) for effect in self.effects for name in effect.strengths}
-        factors = [factor if key in sizes and key not in known else 1.0 for key in self.parameters]
-        return numbers * np.array(factors + [1.0] * (len(numbers) - len(factors)))
-
-    def _phased(
-        self, numbers: FloatArray, problem: Problem, known: Mapping[tuple[str, str], float], density: float
-    ) -> FloatArray:
-        """`numbers` with the phases that are known or, one recording at a time, the likeliest of a few."""
-        at = self.read(numbers, problem)
-        for n, record in enumerate(problem.records[: self._tail(problem)[0]]):
-            phase = known.get(phase_of(record.name))
-            if phase is None:
-                phase = min(
-                    2.0 * np.pi / _PHASES * np.arange(_PHASES),
-                    key=lambda x, r=record: problem.deviance_of(r, at.effects, x, density, at.shape),  # type: ignore[misc]
-                )
-            numbers[len(self._each) + n] = phase
-        return numbers

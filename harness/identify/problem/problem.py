@@ -9,20 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, motion_with, parameters_with, sensor_with
+from analytic.effects import Acting, motion_with, sensor_with
 from analytic.kernel import Grid
-from analytic.models import CAM, ORIGIN, Model
+from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray
 from analytic.rig import Rig
-from harness.identify.filter.ekf import (
-    BeamTable,
-    Readings,
-    Sensor,
-    extended_kalman_filter,
-    negative_two_log_likelihood,
-)
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.identify.problem.spline_term import Shape
 from harness.signals.drive import Drive
 from harness.signals.prescribed import nodes
 
@@ -78,30 +70,6 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Filtered:
-    """A recording through the filter.
-
-    Attributes:
-        innovation, innovation_variance: shape (n,) [m], [m²].
-        state: filtered s [m], ṡ [m/s], what effects remember, and the lagging position [m], shape (n, 4).
-        position_variance: of the position that the sensor sees, shape (n,) [m²].
-        gain, lag: of the sensor [1], [s].
-    """
-
-    innovation: FloatArray
-    innovation_variance: FloatArray
-    state: FloatArray
-    position_variance: FloatArray
-    gain: float
-    lag: float
-
-    @property
-    def recorded(self) -> FloatArray:
-        """What the sensor would record of the filtered state, shape (n,) [m]."""
-        return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
-
-
-@dataclass(frozen=True)
 class Problem:
     """Recordings of one rig.
 
@@ -153,67 +121,3 @@ class Problem:
         """Gain [1] and lag [s] of the position sensor with `effects` beside those declared."""
         law = sensor_with((*self.declared, *effects))
         return law.gain, law.lag
-
-    def dynamics(
-        self, record: Record, effects: Sequence[Acting], phase: float, shape: Shape | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """The kernel's vector, shape (SLOTS,), and the beam's table of one recording; arguments as of `filtered`."""
-        every = (*self.declared, *effects)
-        p = parameters_with(self.model, self.rig, every, phase=phase)
-        p[ORIGIN] = record.origin / self.sensor(effects)[0]
-        table = record.table_with(every)
-        if shape is not None:
-            shape.write(p, phase)
-            table = shape.load(table, record.times, self.rig.gravity)
-        return p, table
-
-    def filtered(
-        self,
-        record: Record,
-        effects: Sequence[Acting],
-        phase: float,
-        density: float,
-        shape: Shape | None = None,
-        reading: FloatArray | None = None,
-    ) -> Filtered:
-        """One recording through the filter.
-
-        Args:
-            effects: beside those declared.
-            phase: φ₀, how the ball lies at the recording's start, where it matters [rad].
-            density: of the process noise [m²/s³].
-            shape: a curve of unknown law beside them.
-            reading: other readings than the record's, shape (n,), NaN where there is none [m].
-        """
-        gain, lag = self.sensor(effects)
-        p, table = self.dynamics(record, effects, phase, shape)
-        readings = Readings(record.time, record.reading if reading is None else reading)
-        beam = BeamTable(record.grid.steps, record.grid.marks, table)
-        out = extended_kalman_filter(readings, beam, p, Sensor(gain, lag, self.noise), density)
-        return Filtered(*out, gain, lag)
-
-    def predict(
-        self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Innovations over all recordings and their variances, both of shape (readings,) [m], [m²]."""
-        innovations, variances = [], []
-        for record, phase in zip(self.records, phases, strict=True):
-            found = self.filtered(record, effects, float(phase), density, shape)
-            innovations.append(found.innovation[record.judged])
-            variances.append(found.innovation_variance[record.judged])
-        return np.concatenate(innovations), np.concatenate(variances)
-
-    def deviance(
-        self, effects: Sequence[Acting], phases: FloatArray, density: float, shape: Shape | None = None
-    ) -> float:
-        """−2 log likelihood of the innovations, but for a constant."""
-        each = zip(self.records, phases, strict=True)
-        return sum(self.deviance_of(record, effects, float(phase), density, shape) for record, phase in each)
-
-    def deviance_of(
-        self, record: Record, effects: Sequence[Acting], phase: float, density: float, shape: Shape | None = None
-    ) -> float:
-        """−2 log likelihood of one recording's innovations, but for a constant."""
-        found = self.filtered(record, effects, phase, density, shape)
-        use = record.judged
-        return negative_two_log_likelihood(found.innovation[use], found.innovation_variance[use])

@@ -30,9 +30,7 @@ from harness.identify.problem.settings import DEFAULT
 from harness.identify.record import SplineTermRecord
 
 if TYPE_CHECKING:
-    from harness.identify.problem.problem import Problem
-
-_OPEN = 1e-3  # process noise with which a filter follows the readings whatever the model lacks [m²/s³]
+    pass
 
 
 class Depends(StrEnum):
@@ -155,23 +153,3 @@ def blank(depends: Depends, friction: bool, low: float, high: float, count: int 
     """A curve that is nothing yet, over what is visited from `low` to `high`."""
     steps = count if depends is Depends.ROLL_ANGLE else count - 1
     return Shape(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))
-
-
-def visited(problem: Problem, depends: Depends) -> tuple[float, float]:
-    """Between what the recordings keep what a curve depends on; the outermost half percents are left out."""
-    match depends:
-        case Depends.TIME:
-            return min(r.time[0] for r in problem.records), max(r.time[-1] for r in problem.records)
-        case Depends.ROLL_ANGLE:
-            return 0.0, 2.0 * np.pi
-        case Depends.ANGLE:
-            values = [record.table[:, 0] for record in problem.records]
-        case Depends.POSITION:
-            values = [record.reading[np.isfinite(record.reading)] for record in problem.records]
-        case Depends.VELOCITY:
-            filtered = [problem.filtered(record, (), 0.0, _OPEN) for record in problem.records]
-            values = [
-                one.state[np.isfinite(record.reading), 1] for one, record in zip(filtered, problem.records, strict=True)
-            ]
-    low, high = np.percentile(np.concatenate(values), [0.5, 99.5])
-    return float(low), float(high)

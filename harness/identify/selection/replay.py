@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Shape
@@ -118,8 +119,15 @@ def _evaluated(one: FitRecord, problem: Problem) -> Fit:
     if len(numbers) != hypothesis.size(problem):
         raise ValueError(f"{len(numbers)} parameters for a hypothesis of {hypothesis.size(problem)}")
     at, density = hypothesis.read(numbers, problem), one.process_noise_m2_s3
-    deviance = problem.deviance(at.effects, at.phases, density, at.shape)
-    return Fit(hypothesis, numbers, at, density, deviance, np.zeros((len(numbers),) * 2), problem.readings)
+    return Fit(
+        hypothesis,
+        numbers,
+        at,
+        density,
+        deviance(problem, at, density),
+        np.zeros((len(numbers),) * 2),
+        problem.readings,
+    )
 
 
 def _again(found: Fit, problem: Problem) -> Fit:

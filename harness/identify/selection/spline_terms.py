@@ -13,9 +13,10 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit, unrefined
 from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
-from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.filter.run import deviance_of, run_filter
+from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank, visited
+from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
 from harness.identify.problem.windows import Fold, folds
 from harness.identify.selection.candidates import Progress, found_in, in_threads
 from harness.identify.selection.criterion import Evidence, Rule
@@ -23,6 +24,7 @@ from harness.identify.selection.ledger import Ledger
 
 # Process noise of a held-out recording over that of the others.
 _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
+_OPEN = 1e-3  # process noise with which a filter follows the readings whatever the model lacks [m²/s³]
 
 
 def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -116,8 +118,7 @@ def _deviance(fold: Fold, fitted: Fit) -> float:
     record: Record = fold.left[0]
     phase = phase_of(fold.problem, fitted, record, record.reading)
     densities = fitted.density * _NOISE_RATIOS
-    effects, shape = fitted.best.effects, fitted.best.shape
-    return min(fold.problem.deviance_of(record, effects, phase, one, shape) for one in densities)
+    return min(deviance_of(fold.problem, record, fitted.best, one, phase=phase) for one in densities)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
@@ -152,3 +153,21 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
 
     fits = in_threads(follow, seen)
     return sorted(fits, key=lambda one: one.deviance + np.log(one.readings) * len(one.numbers))
+
+
+def visited(problem: Problem, depends: Depends) -> tuple[float, float]:
+    """Between what the recordings keep what a curve depends on; the outermost half percents are left out."""
+    match depends:
+        case Depends.TIME:
+            return min(r.time[0] for r in problem.records), max(r.time[-1] for r in problem.records)
+        case Depends.ROLL_ANGLE:
+            return 0.0, 2.0 * np.pi
+        case Depends.ANGLE:
+            values = [record.table[:, 0] for record in problem.records]
+        case Depends.POSITION:
+            values = [record.reading[np.isfinite(record.reading)] for record in problem.records]
+        case Depends.VELOCITY:
+            runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.records)
+            values = [run.state[known, 1] for run, known in runs]
+    low, high = np.percentile(np.concatenate(values), [0.5, 99.5])
+    return float(low), float(high)

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from analytic.effects import CATALOGUE
 from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.starts import starting_points
+from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import Progress, fit_candidates, found_in, refitted
 from harness.identify.selection.criterion import Evidence, Rule
@@ -54,10 +56,9 @@ def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
     What stands in for that effect is searched from there: fitted without it, the others have moved to make up for it.
     """
     density = math.sqrt(without.density * best.density)
-    (start,) = without.hypothesis.starts(problem, best.values(), density)
+    (start,) = starting_points(problem, without.hypothesis, best.values(), density)
     at = without.hypothesis.read(start, problem)
-    deviance = problem.deviance(at.effects, at.phases, density, at.shape)
-    return replace(without, numbers=start, best=at, density=density, deviance=deviance)
+    return replace(without, numbers=start, best=at, density=density, deviance=deviance(problem, at, density))
 
 
 def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:

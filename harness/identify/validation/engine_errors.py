@@ -23,7 +23,8 @@ from harness.errors import EngineFailure
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.estimate.roll_phase import phase_of
-from harness.identify.problem.problem import Filtered, Problem, Record
+from harness.identify.filter.run import FilterRun
+from harness.identify.problem.problem import Problem, Record
 from harness.identify.problem.spline_term import Depends, Shape
 from harness.identify.problem.windows import horizon_spans
 from harness.identify.validation.held_out import HeldOut
@@ -166,7 +167,7 @@ class _Scene:
         squares = [(horizon, errors[begin][: end - begin] ** 2) for horizon, begin, end in spans]
         return [(horizon, each[np.isfinite(each)]) for horizon, each in squares]
 
-    def _run(self, out: Filtered, begin: int, end: int) -> FloatArray:
+    def _run(self, out: FilterRun, begin: int, end: int) -> FloatArray:
         """What would be recorded of a free run from stamp `begin` up to before `end` [m]; NaN where the beam's motion
         is not known."""
         stamps = self.record.time[begin:end]

@@ -17,7 +17,8 @@ from analytic.models import CAM
 from analytic.motion import FloatArray
 from analytic.step import advance
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.hypothesis import Values
+from harness.identify.filter.run import dynamics
+from harness.identify.problem.hypothesis import NOTHING, Values
 from harness.identify.problem.problem import Problem, Record
 from harness.signals.ball_state import BallEstimate
 
@@ -68,12 +69,10 @@ def trace(problem: Problem, found: Fit, record: Record, ball: BallEstimate) -> T
     )
 
 
-def _acceleration(problem: Problem, record: Record, ball: BallEstimate, found: Values | None = None) -> FloatArray:
+def _acceleration(problem: Problem, record: Record, ball: BallEstimate, added: Values = NOTHING) -> FloatArray:
     """What the sensor would see of the ball's acceleration when it follows the measured path, shape (n,) [m/s²]."""
-    effects = () if found is None else found.effects
-    phase = 0.0 if found is None else float(found.phases[[one.name for one in problem.records].index(record.name)])
-    p, table = problem.dynamics(record, effects, phase, None if found is None else found.shape)
-    gain, lag = problem.sensor(effects)
+    p, table = dynamics(problem, record, added, added.phase_of(record.name))
+    gain, lag = problem.sensor(added.effects)
     out = np.empty(len(record.time))
     _along(ball.position / gain, ball.velocity / gain, record.grid.steps, record.grid.marks, table, p, out)
     # Gain and lag are linear and constant in time: they do to the acceleration what they do to the position.

@@ -13,6 +13,8 @@ from harness.identify.design.closed_loop import rehearse
 from harness.identify.design.discrimination import Noises, drift, regained
 from harness.identify.design.excitation import LIBRARY, room_of
 from harness.identify.filter.ekf import negative_two_log_likelihood
+from harness.identify.filter.run import run_filter
+from harness.identify.problem.hypothesis import NOTHING
 from tests.identify.short_rig import GAIN, RADIUS, Short, short
 
 
@@ -39,7 +41,7 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     gain, _ = frictionless.sensor(best.effects)
 
     def innovations(density: float) -> FloatArray:
-        found = frictionless.filtered(made.record, best.effects, 0.0, density / gain**2, reading=made.reading)
+        found = run_filter(frictionless, made.record, best, density / gain**2, phase=0.0, reading=made.reading)
         return found.innovation[1:]
 
     later = slice(round(2.0 / room.interval), None)
@@ -69,7 +71,7 @@ def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
         noisy[0] = made.reading[0]
         deviances = []
         for density in (float(noises.density[0]), float(noises.density[number])):
-            out = frictionless.filtered(made.record, (), 0.0, density, None, noisy)
+            out = run_filter(frictionless, made.record, NOTHING, density, reading=noisy)
             later = slice(round(4.0 / room.interval), None)  # steady by then
             deviances.append(negative_two_log_likelihood(out.innovation[later], out.innovation_variance[later]))
         costs.append((deviances[1] - deviances[0]) / len(made.record.time[later]))

@@ -12,6 +12,7 @@ from harness.benchmark.pose import pose as pose_trial
 from harness.benchmark.trials import plan
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
+from harness.identify.filter import run as filter_run
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
@@ -46,7 +47,7 @@ def backlash(folder: Path) -> tuple[Problem, Fit]:
 
     def deviance(numbers: FloatArray) -> float:
         at = hypothesis.read(numbers, problem)
-        return problem.deviance(at.effects, at.phases, found.density)
+        return filter_run.deviance(problem, at, found.density)
 
     around = [found.numbers + shift for shift in np.arange(-0.04, 0.04, 1e-3)]
     return problem, fit(problem, hypothesis, density=found.density, starts=[min(around, key=deviance)])
@@ -65,7 +66,7 @@ def test_a_law_with_corners_is_known_as_its_deviance_says(tmp_path: Path) -> Non
         for end in (-reach, reach):
             numbers = found.numbers + end * one.deviations()[key] / found.hypothesis.scale(problem)
             at = found.hypothesis.read(numbers, problem)
-            rises.append((problem.deviance(at.effects, at.phases, found.density) - found.deviance) / reach**2)
+            rises.append((filter_run.deviance(problem, at, found.density) - found.deviance) / reach**2)
         return rises
 
     # Steps in the deviance leave a factor of two; slopes at one place put the lower end where little has risen.

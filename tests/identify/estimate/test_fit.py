@@ -9,6 +9,7 @@ import pytest
 
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.screening import screen
+from harness.identify.filter import run as filter_run
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.settings import DEFAULT
 from tests.posed import Posed, pose
@@ -67,7 +68,7 @@ def test_deviations_are_the_curvature_of_the_deviance(plain: Posed, name: str) -
 
     def deviance(shift: float) -> float:
         at = hypothesis.read(found.numbers + shift / scale, plain.problem)
-        return plain.problem.deviance(at.effects, at.phases, found.density)
+        return filter_run.deviance(plain.problem, at, found.density)
 
     # To second order the deviance rises by (shift/σ)² from its lowest
     # point. The fit stands within 0.05 of that, which is 0.22 σ; 3 σ away that adds at most

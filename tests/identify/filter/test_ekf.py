@@ -23,7 +23,8 @@ from harness.identify.filter.ekf import (
     extended_kalman_filter,
     penalty,
 )
-from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.filter.run import dynamics, run_filter
+from harness.identify.problem.hypothesis import Hypothesis, Values
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
@@ -35,7 +36,12 @@ from tests.posed import Posed, pose
 def run(posed: Posed, effects: dict[str, dict[str, float]], general: bool, gain: float = 1.0) -> FilterOutput:
     """The first recording through one form of the filter, with a gap of 1 s and a reading that is 20 mm off."""
     problem, record = posed.problem, posed.problem.records[0]
-    p, table = problem.dynamics(record, [acting(name, values) for name, values in effects.items()], 0.0)
+    p, table = dynamics(
+        problem,
+        record,
+        Values((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None),
+        0.0,
+    )
     reading = record.reading.copy()
     reading[:3], reading[400:500] = np.nan, np.nan
     reading[700] += 0.02
@@ -97,7 +103,7 @@ def test_no_variance_is_ever_negative(plain: Posed, effects: dict[str, dict[str,
     """Keep variances positive whatever the noise, over spikes, gaps and a ball that stops or slides."""
     problem, record = plain.problem, plain.problem.records[0]
     acts = [acting(name, values) for name, values in effects.items()]
-    p, table = problem.dynamics(record, acts, 0.0)
+    p, table = dynamics(problem, record, Values((), tuple(acts), np.zeros(0), None), 0.0)
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     generator = np.random.default_rng(0)
     for reading_variance in (1e-20, 1e-7, 1.0):
@@ -121,7 +127,10 @@ def test_spikes_weigh_little() -> None:
 
 def ratios(posed: Posed, effects: tuple[Acting, ...], density: float) -> list[FloatArray]:
     """Innovations over their standard deviations, a recording each."""
-    found = [posed.problem.filtered(record, effects, 0.0, density) for record in posed.problem.records]
+    found = [
+        run_filter(posed.problem, record, Values((), tuple(effects), np.zeros(0), None), density)
+        for record in posed.problem.records
+    ]
     pairs = zip(found, posed.problem.records, strict=True)
     return [(one.innovation / np.sqrt(one.innovation_variance))[record.judged] for one, record in pairs]
 

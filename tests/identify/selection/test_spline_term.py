@@ -12,7 +12,9 @@ from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, MOST_NODES, ORIGIN, RESPONSE, SHAPE, SLOTS, WEIGHT, coefficients
 from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.estimate.starts import starting_points
+from harness.identify.filter import run as filter_run
+from harness.identify.problem.hypothesis import Hypothesis, Values
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
 from tests.posed import Posed
@@ -108,7 +110,9 @@ def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
 def test_a_blank_curve_changes_nothing(plain: Posed, depends: Depends, friction: bool) -> None:
     """Predict with a curve of zeros exactly what is predicted without one."""
     shape = blank(depends, friction, 0.0, 1.0)
-    without, with_curve = (plain.problem.deviance((), np.zeros(2), 1e-8, one) for one in (None, shape))
+    without, with_curve = (
+        filter_run.deviance(plain.problem, Values((), (), np.zeros(0), one), 1e-8) for one in (None, shape)
+    )
     assert with_curve == pytest.approx(without, rel=1e-9)
 
 
@@ -117,7 +121,7 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...])
     """Read starts as effects with values, within bounds, a phase a recording and a node a number; and back."""
     hypothesis = Hypothesis(names, BENT)
     known = dict.fromkeys(hypothesis.parameters, 0.01)
-    (start,) = hypothesis.starts(plain.problem, known, 1e-5)
+    (start,) = starting_points(plain.problem, hypothesis, known, 1e-5)
     low, high = hypothesis.bounds(plain.problem)
     assert len(start) == len(low) == len(high) == hypothesis.size(plain.problem)
     assert np.all((low <= start) & (start <= high))

@@ -13,10 +13,10 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import Depends, blank, visited
+from harness.identify.problem.spline_term import Depends, blank
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
-from harness.identify.selection.spline_terms import held_out_deviances, with_spline_term
+from harness.identify.selection.spline_terms import held_out_deviances, visited, with_spline_term
 from harness.identify.verdict import Verdict, identify
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
