@@ -8,7 +8,7 @@ from harness.identify.design import proposal
 from harness.identify.design.proposal import Proposal
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.model_file import model_record
-from harness.identify.problem.spline_term import Shape
+from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import (
     AllErrorsRecord,
@@ -50,7 +50,7 @@ def diagnosis_record(
         hashes: SHA-256 of every input file, by name.
         further: recordings that nothing was fitted to.
     """
-    shape = found.found.best.shape
+    spline = found.found.terms.spline
     inputs = SourcesRecord(hashes=dict(hashes), versions=versions())
     ledger = ledger_record(found.problem, found.selection, inputs)
     return DiagnosisRecord(
@@ -58,8 +58,8 @@ def diagnosis_record(
         sentence=sentence(found),
         effects=tuple(EffectRecord.model_validate(one) for one in found.effects),
         unlisted=None
-        if shape is None
-        else UnlistedRecord(depends_on=tuple(one.value for one in found.depends_on), shape=_shape(shape)),
+        if spline is None
+        else UnlistedRecord(depends_on=tuple(one.value for one in found.depends_on), spline=_shape(spline)),
         errors=AllErrorsRecord(
             identify=_before_after(found.identify),
             heldout=_before_after(found.heldout),
@@ -86,14 +86,14 @@ def diagnosis_record(
     )
 
 
-def _shape(shape: Shape) -> ShapeRecord:
+def _shape(spline: SplineTerm) -> ShapeRecord:
     return ShapeRecord(
-        at=tuple(shape.places.tolist()),
-        values=tuple(shape.nodes.tolist()),
-        unit=shape.unit,
-        friction=shape.friction,
-        low=shape.low,
-        step=shape.step,
+        at=tuple(spline.places.tolist()),
+        values=tuple(spline.nodes.tolist()),
+        unit=spline.unit,
+        friction=spline.friction,
+        low=spline.low,
+        step=spline.step,
     )
 
 

@@ -38,8 +38,8 @@ def diagnosed(trial: Trial, source: str) -> Row:
 
 
 def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row:
-    floor, shape = said.problem.angle_floor, said.found.best.shape
-    before, after = (one.root_density / floor if floor else math.nan for one in (said.base, said.found))
+    floor, spline = said.problem.angle_floor, said.found.terms.spline
+    before, after = (one.root_process_noise / floor if floor else math.nan for one in (said.base, said.found))
     return Row(
         trial=trial,
         source=source,
@@ -52,7 +52,7 @@ def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row
             )
             for one in said.effects
         ),
-        depends_on=None if shape is None else str(shape.depends),
+        depends_on=None if spline is None else str(spline.depends),
         unexplained=(round(before, 3), round(after, 3)),
         seconds=round(seconds, 1),
     )

@@ -14,7 +14,7 @@ from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
 from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, UNLISTED_SCALES, scales
 from harness.errors import InputError
 
-Values = dict[str, dict[str, float]]
+Terms = dict[str, dict[str, float]]
 
 STUDIES = ("null", "confusion", "power")
 NULL_TRIALS, SEEDS = 200, 5  # of the committed tables
@@ -55,9 +55,9 @@ class Trial:
     counts: int
     noise: float
     spikes: float
-    hidden: Values
-    unlisted: Values
-    declared: Values
+    hidden: Terms
+    unlisted: Terms
+    declared: Terms
     seed: int
 
     @property
@@ -156,9 +156,9 @@ def in_engines(name: str) -> bool:
     return size is not None and size.engines
 
 
-def _declared(generator: np.random.Generator, hidden: Values) -> Values:
+def _declared(generator: np.random.Generator, hidden: Terms) -> Terms:
     """What acts and is declared; nothing that would make the hidden effect one of degree."""
-    declared: Values = {}
+    declared: Terms = {}
     probability, low, high = _ROLLING
     rolling = generator.uniform() < probability, float(generator.uniform(low, high))
     like_it = set(ROLLING_RESISTANCE.relations.nested_in)

@@ -8,7 +8,7 @@ from typing import Any
 
 from harness.identify.design.choose import pairs_of, reveal, separate
 from harness.identify.design.proposal import Proposal
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.selection.candidates import hidden_by
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import BaselineComparison, compare_with_baselines
@@ -65,7 +65,7 @@ def diagnose(
     problem: Problem,
     progress: Progress = silent,
     *,
-    also: Sequence[Record] = (),
+    also: Sequence[PreparedRecording] = (),
     length: float | None = None,
     jobs: int = 1,
 ) -> Diagnosis:
@@ -88,7 +88,7 @@ def diagnose(
         )
         for one in also
     }
-    seen = HeldOut(problem, base, found, problem.records)
+    seen = HeldOut(problem, base, found, problem.recordings)
     with engines_running(seen, held, running, jobs=jobs) as engines:
         return Diagnosis(
             **vars(identified),

@@ -11,8 +11,8 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import Shape
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import ModelRecord, RigRecord, SensorsRecord
 from harness.identify.selection.ledger_record import declared_record
 from harness.recording import Sensors
@@ -20,18 +20,18 @@ from harness.recording import Sensors
 
 def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
     """Everything that a prediction needs."""
-    shape = found.hypothesis.shape
+    spline = found.hypothesis.spline
     return ModelRecord(
         rig=RigRecord.model_validate(problem.rig),
         sensors=SensorsRecord.model_validate(sensors),
         declared=declared_record(problem),
         effects=found.hypothesis.names,
-        spline_term=None if shape is None else shape.record(),
-        parameters=tuple(found.numbers.tolist()),
-        phases=len(problem.records),
+        spline_term=None if spline is None else spline.record(),
+        parameters=tuple(found.theta.tolist()),
+        phases=len(problem.recordings),
         covariance=tuple(map(tuple, found.covariance.tolist())),
-        process_noise_m2_s3=found.density,
-        reading_variance_m2=problem.noise,
+        process_noise_m2_s3=found.process_noise,
+        reading_variance_m2=problem.reading_variance,
     )
 
 
@@ -40,7 +40,7 @@ def rig_of(kept: ModelRecord) -> Rig:
     return Rig(**kept.rig.model_dump())
 
 
-def read_model(kept: ModelRecord, record: Record, origin: str) -> tuple[Problem, Fit]:
+def read_model(kept: ModelRecord, record: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
     """The problem and fit to predict `record` with.
 
     Args:
@@ -59,13 +59,13 @@ def read_model(kept: ModelRecord, record: Record, origin: str) -> tuple[Problem,
     try:
         declared = tuple(acting(one.name, one.values) for one in kept.declared)
         problem = Problem((record,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
-        hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else Shape.of(kept.spline_term))
-        numbers = np.array(kept.parameters, dtype=float)
-        covariance = np.array(kept.covariance, dtype=float).reshape(len(numbers), len(numbers))
+        hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else SplineTerm.of(kept.spline_term))
+        theta = np.array(kept.parameters, dtype=float)
+        covariance = np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta))
         found = Fit(
             hypothesis,
-            numbers,
-            hypothesis.read(numbers, problem),
+            theta,
+            hypothesis.terms(theta, problem),
             kept.process_noise_m2_s3,
             np.nan,
             covariance,
@@ -74,4 +74,4 @@ def read_model(kept: ModelRecord, record: Record, origin: str) -> tuple[Problem,
     except (IndexError, ValueError) as error:
         raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error
     # The kept phases are those of other recordings: this one's is found from its own readings.
-    return replace(problem, records=(replace(record, name=""),) * kept.phases), found
+    return replace(problem, recordings=(replace(record, name=""),) * kept.phases), found

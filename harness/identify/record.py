@@ -79,7 +79,7 @@ class UnlistedRecord(Part):
     """A law that the catalogue does not list; what it depends on, strongest first."""
 
     depends_on: tuple[DependsName, ...]
-    shape: ShapeRecord
+    spline: ShapeRecord
 
 
 class DependenceRecord(Part):

@@ -9,7 +9,7 @@ from enum import StrEnum
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.selection.candidates import candidates, found_in
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
@@ -71,21 +71,21 @@ class Identification:
         return Selection(self.base, self.found, self.ledger)
 
     @property
-    def depends_on(self) -> tuple[Depends, ...]:
+    def depends_on(self) -> tuple[Regressor, ...]:
         """What an unlisted law depends on, strongest first; nothing without one.
 
         First what the spline term depends on, then what any other one does whose BIC is within its threshold of the
         best: that would not have decided. A friction follows the sign of the velocity beside its own argument.
         """
-        best = self.found.hypothesis.shape
+        best = self.found.hypothesis.spline
         if best is None:
             return ()
         criterion = Criterion(self.problem.settings)
         tried = [one.fit for one in self.ledger if one.rule is Rule.SPLINE]
         lowest = min((criterion.value(one) for one in tried), default=criterion.value(self.found))
         near = [one for one in tried if criterion.value(one) - lowest <= self.problem.settings.spline_keep]
-        shapes = [best, *(one.hypothesis.shape for one in sorted(near, key=criterion.value))]
-        return tuple(dict.fromkeys(on for shape in shapes if shape is not None for on in _arguments(shape)))
+        shapes = [best, *(one.hypothesis.spline for one in sorted(near, key=criterion.value))]
+        return tuple(dict.fromkeys(on for spline in shapes if spline is not None for on in _arguments(spline)))
 
 
 def identify(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Identification:
@@ -99,7 +99,7 @@ def judge(problem: Problem, selection: Selection) -> Identification:
     found = with_interval_covariance(problem, selection.found)
     unseen = _unseen(problem, selection.ledger, criterion)
     names = found_in(problem, found)
-    if found.hypothesis.shape is not None:
+    if found.hypothesis.spline is not None:
         verdict = Verdict.UNLISTED
     elif names:
         verdict = Verdict.EFFECT
@@ -122,7 +122,7 @@ def judge(problem: Problem, selection: Selection) -> Identification:
 
 def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line]) -> IdentifiedEffect:
     deviations = found.deviations()
-    (acting,) = (one for one in found.best.effects if one.effect.name == name)
+    (acting,) = (one for one in found.terms.effects if one.effect.name == name)
     parameters = {}
     for parameter in acting.effect.parameters:
         value = acting.values[parameter.name]
@@ -147,10 +147,10 @@ def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion)
 
 def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
     """Effects of which a typical size is below the detection limit."""
-    latest = {line.title: line for line in ledger if line.fit.hypothesis.shape is None and not line.kept}
+    latest = {line.title: line for line in ledger if line.fit.hypothesis.spline is None and not line.kept}
     unseen = []
     for name, line in latest.items():
-        tried = [one.effect for one in line.fit.best.effects if one.effect.name == name]
+        tried = [one.effect for one in line.fit.terms.effects if one.effect.name == name]
         if not tried:
             continue
         key = tried[0].parameters[0]
@@ -161,5 +161,5 @@ def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> t
     return tuple(unseen)
 
 
-def _arguments(shape: Shape) -> list[Depends]:
-    return [shape.depends, Depends.VELOCITY] if shape.friction else [shape.depends]
+def _arguments(spline: SplineTerm) -> list[Regressor]:
+    return [spline.depends, Regressor.VELOCITY] if spline.friction else [spline.depends]

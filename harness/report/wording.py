@@ -10,19 +10,19 @@ from analytic.effects import CATALOGUE, Parameter
 from analytic.rig import Rig
 from harness.formatting import measured, number
 from harness.identify.diagnosis import Diagnosis
-from harness.identify.problem.spline_term import Depends
+from harness.identify.problem.spline_term import Regressor
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
 _MAX_NAMES = 5  # further names are counted instead of listed
 
-DEPENDENCES: Mapping[Depends, str] = {
-    Depends.POSITION: "the ball's position",
-    Depends.VELOCITY: "the ball's velocity",
-    Depends.ANGLE: "the beam angle",
-    Depends.ROLL_ANGLE: "the ball's rolled angle",
-    Depends.TIME: "time",
+DEPENDENCES: Mapping[Regressor, str] = {
+    Regressor.POSITION: "the ball's position",
+    Regressor.VELOCITY: "the ball's velocity",
+    Regressor.ANGLE: "the beam angle",
+    Regressor.ROLL_ANGLE: "the ball's rolled angle",
+    Regressor.TIME: "time",
 }
 
 
@@ -40,7 +40,7 @@ def sentence(diagnosis: Diagnosis) -> str:
                 f"{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE if not _explained(diagnosis):
-            left = diagnosis.found.root_density / diagnosis.problem.angle_floor
+            left = diagnosis.found.root_process_noise / diagnosis.problem.angle_floor
             return (
                 f"Not identifiable from these recordings: the process noise is {number(left, 2)} times its floor, but "
                 f"no law that was tried predicts significantly better{_stays(diagnosis.heldout)}."
@@ -104,11 +104,11 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _curve(diagnosis: Diagnosis) -> str:
-    shape = diagnosis.found.best.shape
-    assert shape is not None
-    most = float(np.max(np.abs(shape.nodes)))
-    depends = DEPENDENCES[shape.depends]
-    if shape.friction:
+    spline = diagnosis.found.terms.spline
+    assert spline is not None
+    most = float(np.max(np.abs(spline.nodes)))
+    depends = DEPENDENCES[spline.depends]
+    if spline.friction:
         return f"a dry friction that depends on {depends} (by up to {number(most, 2)} of the normal force)"
     return f"a force that depends on {depends} (up to {number(1e3 * diagnosis.problem.rig.mass * most, 2)} mN)"
 

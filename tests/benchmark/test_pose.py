@@ -42,7 +42,7 @@ def test_spikes_are_there_and_set_aside(tmp_path: Path) -> None:
     pose(clean, tmp_path / "clean")
     problem = pose(spoilt, tmp_path / "spoilt")
     before, after = (load_case(tmp_path / name).recordings for name in ("clean", "spoilt"))
-    for record in problem.records:
+    for record in problem.recordings:
         change = np.abs(after[record.name].position - before[record.name].position)
         spikes = change > 0.0
         # binomial of 1601 readings: 2 % ± four times 0.35 %

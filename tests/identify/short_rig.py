@@ -14,7 +14,7 @@ from harness.identify.design.proposal import NOTHING, Proposal
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of, record_of
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.recording import Case, load_case, load_recording
 from harness.signals.drive import QuinticMotion
 from harness.simulator import Experiment, write_case
@@ -54,7 +54,7 @@ class Short:
             self.experiment.plant(SEEDS[0], self.experiment.acting), motion, start, float(proposal.time[-1])
         )
 
-    def recorded(self, run: Run, seed: int) -> Record:
+    def recorded(self, run: Run, seed: int) -> PreparedRecording:
         """What its sensors write down, read as any recording is."""
         path = self.folder / "new.csv"
         sensors = self.experiment.sensors

@@ -52,8 +52,8 @@ def test_a_gust_is_in_no_catalogue(tmp_path: Path) -> None:
     gust = {"gust": {"force": 0.01, "start": 5.0, "end": 8.0}}
     found = diagnose(pose(tmp_path / "case", 0, unlisted=gust).problem)
     assert found.verdict is Verdict.UNLISTED
-    assert found.found.best.shape is not None
-    assert str(found.found.best.shape.depends) == "time"
+    assert found.found.terms.spline is not None
+    assert str(found.found.terms.spline.depends) == "time"
 
 
 @needs_shared
@@ -63,8 +63,8 @@ def test_cases_are_diagnosed(name: str) -> None:
     truth = truth_of(CASES / name)
     found = diagnose(problem_of(load_case(CASES / name))[0])
     assert {one.name for one in found.effects} == {one["name"] for one in truth["effects"]}
-    shape = found.found.best.shape
-    assert (None if shape is None else str(shape.depends)) == truth["unlisted"]
+    spline = found.found.terms.spline
+    assert (None if spline is None else str(spline.depends)) == truth["unlisted"]
 
 
 @needs_shared

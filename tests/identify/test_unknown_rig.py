@@ -54,7 +54,7 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
     assert Criterion().explained(open_problem, base)
     # Another completion, whose K is 1 % more, is made up for.
     other = Problem(
-        open_problem.records,
+        open_problem.recordings,
         open_problem.rig.with_(inertia=open_problem.rig.inertia * 0.97),
         open_problem.declared,
         open_problem.noise,
@@ -73,7 +73,7 @@ def test_what_stands_for_the_unknown_is_no_finding(open_problem: Problem, base: 
     assert hidden_by(open_problem.unknown) == ("angle_gain", "rolling_radius", "position_gain")
     assert not {"angle_gain", "rolling_radius", "position_gain"} & set(candidates(open_problem))
     assert {"angle_gain", "rolling_radius", "position_gain", "level_error"} <= set(
-        candidates(Problem(open_problem.records, open_problem.rig, open_problem.declared, open_problem.noise))
+        candidates(Problem(open_problem.recordings, open_problem.rig, open_problem.declared, open_problem.noise))
     )
     assert "level_error" in candidates(open_problem)
 

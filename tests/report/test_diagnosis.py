@@ -15,7 +15,7 @@ from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
-from harness.identify.problem.spline_term import Depends, blank
+from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
@@ -57,7 +57,9 @@ def diagnosis(case):
     """What `diagnose` would find, its search cut down to the true effect and one rival."""
     problem, _ = problem_of(case)
     base = fit(problem, Hypothesis(()))
-    found, rival = (fit(problem, Hypothesis((name,)), density=base.density) for name in (NAME, "level_error"))
+    found, rival = (
+        fit(problem, Hypothesis((name,)), process_noise=base.process_noise) for name in (NAME, "level_error")
+    )
     value, deviation = found.values()[NAME, "coefficient"], found.deviations()[NAME, "coefficient"]
     values = {"coefficient": Estimate(value, value - 2.0 * deviation, value + 2.0 * deviation, "1")}
     ledger = (
@@ -168,7 +170,7 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
     rounds the step off, the model leaves that much but for what the recording leaves open.
     """
     problem, rig = diagnosis.problem, diagnosis.problem.rig
-    for record in problem.records:
+    for record in problem.recordings:
         ball = ball_of(case, case.recordings[record.name], record.drive, rig)
         seen = trace(problem, diagnosis.found, record, ball)
         fast = np.abs(seen.velocity[:-1]) > 0.03  # the last stamp has no step of its own
@@ -185,7 +187,7 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
 
 def test_nothing_found_adds_nothing(diagnosis, case):
     """The law of no effect is zero, to the bit."""
-    problem, record = diagnosis.problem, diagnosis.problem.records[0]
+    problem, record = diagnosis.problem, diagnosis.problem.recordings[0]
     ball = ball_of(case, case.recordings[record.name], record.drive, problem.rig)
     assert not np.any(trace(problem, diagnosis.base, record, ball).law)
 
@@ -202,10 +204,10 @@ def test_no_finding_needs_no_table(diagnosis, case):
 def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
     """Name the curve of something else that comes closest, not the same one with more nodes, nor an effect."""
     problem, base = diagnosis.problem, diagnosis.base
-    kinds = (Depends.POSITION, Depends.ANGLE)
+    kinds = (Regressor.POSITION, Regressor.ANGLE)
     curves = [blank(kind, False, *visited(problem, kind)) for kind in kinds]
     found, other, finer = (
-        fit(problem, Hypothesis((), one), density=base.density) for one in (*curves, curves[0].finer())
+        fit(problem, Hypothesis((), one), process_noise=base.process_noise) for one in (*curves, curves[0].finer())
     )
     tried = (
         line(Rule.SPLINE, (), found, base, kept=True),
@@ -220,8 +222,8 @@ def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
 
 def test_a_curve_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
-    curve = blank(Depends.POSITION, False, *visited(diagnosis.problem, Depends.POSITION))
-    found = fit(diagnosis.problem, Hypothesis((), curve), density=diagnosis.base.density)
+    curve = blank(Regressor.POSITION, False, *visited(diagnosis.problem, Regressor.POSITION))
+    found = fit(diagnosis.problem, Hypothesis((), curve), process_noise=diagnosis.base.process_noise)
     entry = line(Rule.SPLINE, (), found, diagnosis.base, kept=True)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))
     page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)

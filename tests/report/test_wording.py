@@ -11,8 +11,8 @@ from analytic.effects import CATALOGUE
 from analytic.rig import Rig
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.hypothesis import Hypothesis, Values
-from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.problem.hypothesis import Hypothesis, Terms
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.report.wording import DEPENDENCES, error_size, phrase, sentence
@@ -25,9 +25,11 @@ LEVEL = IdentifiedEffect("level_error", {"angle": Estimate(-0.0025, -0.00251, -0
 def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] = (), **changes: Any) -> str:
     """The sentence of a diagnosis with these findings, whose held-out error falls from 174 mm to 0.3 mm."""
     names = tuple(one.name for one in findings)
-    at = Values(records=(), effects=(), phases=np.zeros(2), shape=changes.get("shape"))
-    density = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
-    found = Fit(Hypothesis(names, at.shape), np.zeros(0), at, density, 0.0, np.zeros((0, 0)), posed.problem.readings)
+    at = Terms(recordings=(), effects=(), phases=np.zeros(2), spline=changes.get("shape"))
+    process_noise = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
+    found = Fit(
+        Hypothesis(names, at.spline), np.zeros(0), at, process_noise, 0.0, np.zeros((0, 0)), posed.problem.readings
+    )
     rms = changes.get("rms", ({"1 s": 0.02, "whole": 0.174}, {"1 s": 0.0003, "whole": 0.0003}))
     heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
     unseen = changes.get("unseen", ())
@@ -55,12 +57,12 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
 
 
 @pytest.mark.parametrize("friction", [False, True])
-@pytest.mark.parametrize("depends", Depends)
-def test_a_curve(plain: Posed, depends: Depends, friction: bool) -> None:
+@pytest.mark.parametrize("depends", Regressor)
+def test_a_curve(plain: Posed, depends: Regressor, friction: bool) -> None:
     """Say what an unlisted law depends on, how large it gets, and what acts beside it."""
     nodes = np.zeros(12)
     nodes[4] = -0.05
-    text = said(plain, Verdict.UNLISTED, (ROLLING,), shape=Shape(depends, friction, 0.0, 0.1, nodes))
+    text = said(plain, Verdict.UNLISTED, (ROLLING,), spline=SplineTerm(depends, friction, 0.0, 0.1, nodes))
     assert DEPENDENCES[depends] in text
     force = 1e3 * plain.problem.rig.mass * 0.05
     assert ("0.050 of the normal force" if friction else f"up to {force:.1f} mN") in text

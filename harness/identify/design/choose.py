@@ -20,7 +20,7 @@ from harness.identify.design.discrimination import Noises, drift, mean_innovatio
 from harness.identify.design.excitation import LIBRARY, Profile, Room, room_of
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.hypothesis import Values
+from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import in_threads
 from harness.identify.selection.criterion import Criterion
@@ -49,11 +49,11 @@ def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: flo
         length: of the beam, where it is known [m].
     """
     room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.noise, found.density)
+    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
     at_hand = [pair.fit.deviance - found.deviance for pair in pairs]
 
     def attempt(profile: Profile) -> Rehearsed | None:
-        return rehearse(problem, found.best, found.density, profile, room)
+        return rehearse(problem, found.terms, found.process_noise, profile, room)
 
     def apart(made: Rehearsed, rounds: int) -> list[float]:
         new = [regained(problem, made, pair.fit, noises, rounds=rounds) for pair in pairs]
@@ -88,17 +88,17 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
         length: of the beam, where it is known [m].
     """
     room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.noise, found.density)
+    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
     typical = [_typical(found, name, room) for name in unseen]
     criterion = Criterion(problem.settings)
     needed = [criterion.detection_limit(len(room.time), len(CATALOGUE[name].parameters)) for name in unseen]
 
     def attempt(profile: Profile) -> tuple[Rehearsed, list[float]] | None:
-        made = rehearse(problem, found.best, found.density, profile, room)
+        made = rehearse(problem, found.terms, found.process_noise, profile, room)
         if made is None:
             return None
-        others = (with_others(problem, one, found.density, profile, room, made) for one in typical)
-        return made, [_sigma(problem, noises.deviance(mean_innovations(problem, one, found.best))) for one in others]
+        others = (with_others(problem, one, found.process_noise, profile, room, made) for one in typical)
+        return made, [_sigma(problem, noises.deviance(mean_innovations(problem, one, found.terms))) for one in others]
 
     def worth(sigmas: Sequence[float]) -> tuple[int, float]:
         shares = [one / enough for one, enough in zip(sigmas, needed, strict=True)]
@@ -147,15 +147,17 @@ def pairs_of(
 
 def _holds(one: Fit, found: Fit) -> bool:
     """Whether a law of more numbers explains as much: it holds what was found, and no recording tells them apart."""
-    return len(one.numbers) > len(found.numbers) and one.deviance < found.deviance + _EQUAL
+    return len(one.theta) > len(found.theta) and one.deviance < found.deviance + _EQUAL
 
 
 def _own(one: Fit, other: Fit) -> list[str]:
     """What `one` has and `other` has not."""
     mine = [name for name in one.hypothesis.names if name not in other.hypothesis.names]
-    shape, theirs = one.hypothesis.shape, other.hypothesis.shape
-    if shape is not None and (theirs is None or (shape.depends, shape.friction) != (theirs.depends, theirs.friction)):
-        mine.append(shape.name)
+    spline, theirs = one.hypothesis.spline, other.hypothesis.spline
+    if spline is not None and (
+        theirs is None or (spline.depends, spline.friction) != (theirs.depends, theirs.friction)
+    ):
+        mine.append(spline.name)
     return mine
 
 
@@ -164,11 +166,11 @@ def _sigma(problem: Problem, deviance: float) -> float:
     return math.sqrt(max(deviance, 0.0) / problem.settings.overdispersion)
 
 
-def _typical(found: Fit, name: str, room: Room) -> Values:
+def _typical(found: Fit, name: str, room: Room) -> Terms:
     """What was found with one more effect of typical size, in the middle of the room where it has a place."""
     effect = CATALOGUE[name]
     sizes = {one.name: room.middle if one.place else one.typical for one in effect.parameters}
-    return replace(found.best, effects=(*found.best.effects, Acting(effect, sizes)))
+    return replace(found.terms, effects=(*found.terms.effects, Acting(effect, sizes)))
 
 
 def _proposal(

@@ -17,9 +17,9 @@ from analytic.motion import FloatArray
 from analytic.step import advance
 from harness.identify.design.excitation import Profile, Room
 from harness.identify.filter.run import run_filter
-from harness.identify.problem.hypothesis import Values
-from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import Depends
+from harness.identify.problem.hypothesis import Terms
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.spline_term import Regressor
 from harness.signals.drive import AngleSensor, Drive
 from harness.signals.spline_smoother import Smoothed
 
@@ -40,7 +40,7 @@ class Rehearsed:
         size: by which the move was made smaller [1].
     """
 
-    record: Record
+    record: PreparedRecording
     reading: FloatArray
     position: FloatArray
     size: float
@@ -93,7 +93,7 @@ def _play(
         beam, speed = next_beam, next_speed
 
 
-def rehearse(problem: Problem, values: Values, density: float, profile: Profile, room: Room) -> Rehearsed | None:
+def rehearse(problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room) -> Rehearsed | None:
     """What the model with these `values` expects of a profile; `None` where the ball cannot be kept in the room.
 
     A ball out of balance begins with φ₀ = 0; a curve of time is bound to its own recordings and is not expected again.
@@ -103,7 +103,7 @@ def rehearse(problem: Problem, values: Values, density: float, profile: Profile,
         states, ball = _perform(problem, values, profile, room, size)
         beyond = float(np.max(np.abs(ball - room.middle))) / room.reach
         if beyond <= 1.0 and np.all(np.abs(states).max(axis=0) <= room.limits):
-            made = _expect(problem, values, density, profile, room, size, states, ball)
+            made = _expect(problem, values, process_noise, profile, room, size, states, ball)
             if room.low <= made.position.min() and made.position.max() <= room.high:
                 return made
         size *= min(0.9, 0.95 / beyond)
@@ -111,16 +111,16 @@ def rehearse(problem: Problem, values: Values, density: float, profile: Profile,
 
 
 def with_others(
-    problem: Problem, values: Values, density: float, profile: Profile, room: Room, made: Rehearsed
+    problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room, made: Rehearsed
 ) -> Rehearsed:
     """The same move, of the same size, where other `values` act: the feedback then turns the beam otherwise."""
     return _expect(
-        problem, values, density, profile, room, made.size, *_perform(problem, values, profile, room, made.size)
+        problem, values, process_noise, profile, room, made.size, *_perform(problem, values, profile, room, made.size)
     )
 
 
 def _perform(
-    problem: Problem, values: Values, profile: Profile, room: Room, size: float
+    problem: Problem, values: Terms, profile: Profile, room: Room, size: float
 ) -> tuple[FloatArray, FloatArray]:
     """States of the measured angle, shape (n, 3), and where the ball is, shape (n,) [m]."""
     move, push = profile.move(room.time, room)
@@ -128,9 +128,9 @@ def _perform(
     effects = (*problem.declared, *values.effects)
     p = parameters_with(problem.model, problem.rig, effects)
     p[ORIGIN] = target[0]
-    shape = repeated(values).shape
-    if shape is not None:
-        shape.write(p)
+    spline = repeated(values).spline
+    if spline is not None:
+        spline.write(p)
     transmission = transmission_with(effects)
     states, ball = np.empty((len(target), 3)), np.empty(len(target))
     # As stiff as readings this far apart allow, and no stiffer than its acceleration is good for.
@@ -154,8 +154,8 @@ def _perform(
 
 def _expect(
     problem: Problem,
-    values: Values,
-    density: float,
+    values: Terms,
+    process_noise: float,
     profile: Profile,
     room: Room,
     size: float,
@@ -164,15 +164,15 @@ def _expect(
 ) -> Rehearsed:
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
-    record = Record(profile.name, room.time, reading, drive_through(room.time, states))
-    expected = run_filter(problem, record, repeated(values), density, phase=0.0)
+    record = PreparedRecording(profile.name, room.time, reading, drive_through(room.time, states))
+    expected = run_filter(problem, record, repeated(values), process_noise, phase=0.0)
     return Rehearsed(record, expected.recorded, expected.state[:, 0], size)
 
 
-def repeated(values: Values) -> Values:
+def repeated(values: Terms) -> Terms:
     """What acts in another recording as well: all but a curve of time."""
-    if values.shape is not None and values.shape.depends is Depends.TIME:
-        return replace(values, shape=None)
+    if values.spline is not None and values.spline.depends is Regressor.TIME:
+        return replace(values, spline=None)
     return values
 
 

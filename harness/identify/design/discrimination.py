@@ -20,7 +20,7 @@ from harness.identify.design.closed_loop import Rehearsed, repeated
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
 from harness.identify.filter.run import run_filter
-from harness.identify.problem.hypothesis import Values
+from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import Problem
 
 _STEP = 1e-2  # of slopes, in scaled numbers
@@ -46,23 +46,23 @@ class Noises:
         open: the same with which recordings are filtered, shape (3,).
     """
 
-    density: FloatArray
+    process_noise: FloatArray
     innovation_variance: FloatArray
     cost: FloatArray
     poles: FloatArray
     open: FloatArray
 
     @classmethod
-    def of(cls, interval: float, noise: float, density: float) -> Noises:
+    def of(cls, interval: float, noise: float, process_noise: float) -> Noises:
         """For readings every `interval` [s] of variance `noise` [m²], where the process noise truly has `density`."""
         noise = max(noise, _LEAST_NOISE)
-        count = max(math.ceil(math.log(_LARGEST / density) / _APART), 0) + 1
-        densities = density * np.exp(_APART * np.arange(count))
-        each = [_steady(interval, noise, one, density) for one in densities]
+        count = max(math.ceil(math.log(_LARGEST / process_noise) / _APART), 0) + 1
+        process_noises = process_noise * np.exp(_APART * np.arange(count))
+        each = [_steady(interval, noise, one, process_noise) for one in process_noises]
         variance = np.array([one[0] for one in each])
         cost = np.array([math.log(one[0]) + one[1] / one[0] for one in each])
         poles = np.array([one[2] for one in each])
-        return cls(densities, variance, cost - cost[0], poles, _steady(interval, noise, _OPEN, density)[2])
+        return cls(process_noises, variance, cost - cost[0], poles, _steady(interval, noise, _OPEN, process_noise)[2])
 
     def filtered(self, misses: FloatArray) -> FloatArray:
         """What innovations, shape (n, c), are at every density, shape (d, n, c)."""
@@ -86,11 +86,11 @@ class Noises:
         return best
 
 
-def _steady(interval: float, noise: float, density: float, true: float) -> tuple[float, float, FloatArray]:
+def _steady(interval: float, noise: float, process_noise: float, true: float) -> tuple[float, float, FloatArray]:
     """Variance of innovations as a filter of this density takes it, as it truly is [m²], and the filter's poles."""
     F = np.array([[1.0, interval], [0.0, 1.0]])
     white = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    P = solve_discrete_are(F.T, np.array([[1.0], [0.0]]), density * white, np.array([[noise]]))
+    P = solve_discrete_are(F.T, np.array([[1.0], [0.0]]), process_noise * white, np.array([[noise]]))
     variance = float(P[0, 0]) + noise
     gain = F @ P[:, :1] / variance
     closed = F - gain @ np.array([[1.0, 0.0]])
@@ -98,7 +98,7 @@ def _steady(interval: float, noise: float, density: float, true: float) -> tuple
     return variance, float(error[0, 0]) + noise, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
 
 
-def mean_innovations(problem: Problem, made: Rehearsed, values: Values) -> FloatArray:
+def mean_innovations(problem: Problem, made: Rehearsed, values: Terms) -> FloatArray:
     """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
     at = repeated(values)
     out = run_filter(problem, made.record, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
@@ -115,29 +115,29 @@ def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, r
         noises: for the problem's sensor, the model's process noise first.
         rounds: Gauss–Newton steps.
     """
-    alone = replace(problem, records=(made.record,))
+    alone = replace(problem, recordings=(made.record,))
     hypothesis = rival.hypothesis
     low, high = hypothesis.bounds(alone)
 
-    def misses(numbers: FloatArray) -> FloatArray:
-        return mean_innovations(problem, made, hypothesis.read(numbers, alone))
+    def misses(theta: FloatArray) -> FloatArray:
+        return mean_innovations(problem, made, hypothesis.terms(theta, alone))
 
-    numbers = _carried(problem, alone, rival)
+    theta = _carried(problem, alone, rival)
     if hypothesis.turning:
-        turned = numbers + np.outer(_PHASES, np.arange(len(numbers)) == len(hypothesis.parameters))
-        numbers = min(turned, key=lambda each: float(np.sum(misses(each) ** 2)))
-    here = misses(numbers)
+        turned = theta + np.outer(_PHASES, np.arange(len(theta)) == len(hypothesis.parameters))
+        theta = min(turned, key=lambda each: float(np.sum(misses(each) ** 2)))
+    here = misses(theta)
     least = noises.deviance(here)
-    for _ in range(rounds if len(numbers) else 0):
-        moves = np.diag(np.where(numbers + _STEP <= high, _STEP, -_STEP))
-        slopes = np.column_stack([(misses(numbers + move) - here) / move.sum() for move in moves])
+    for _ in range(rounds if len(theta) else 0):
+        moves = np.diag(np.where(theta + _STEP <= high, _STEP, -_STEP))
+        slopes = np.column_stack([(misses(theta + move) - here) / move.sum() for move in moves])
         step = noises.step(here, slopes)
         for share in _SHARES:
-            end = np.clip(numbers + share * step, low, high)
+            end = np.clip(theta + share * step, low, high)
             there = misses(end)
             deviance = noises.deviance(there)
             if deviance < least:
-                numbers, here, least = end, there, deviance
+                theta, here, least = end, there, deviance
                 break
         else:
             break
@@ -149,8 +149,8 @@ def _carried(problem: Problem, alone: Problem, rival: Fit) -> FloatArray:
     hypothesis = rival.hypothesis
     effects, more = len(hypothesis.parameters), hypothesis.size(problem) - hypothesis.size(alone)
     if not hypothesis.turning:
-        return rival.numbers
-    return np.concatenate((rival.numbers[:effects], [0.0], rival.numbers[effects + more + 1 :]))
+        return rival.theta
+    return np.concatenate((rival.theta[:effects], [0.0], rival.theta[effects + more + 1 :]))
 
 
 def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
@@ -158,17 +158,17 @@ def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
 
     The process noise, integrated twice, and what the fit leaves open, one standard deviation along each axis of it.
     """
-    alone = replace(problem, records=(made.record,))
-    numbers, size = _carried(problem, alone, found), len(found.hypothesis.parameters)
+    alone = replace(problem, recordings=(made.record,))
+    theta, size = _carried(problem, alone, found), len(found.hypothesis.parameters)
     scale = found.hypothesis.scale(alone)
     low, high = found.hypothesis.bounds(alone)
     values, vectors = np.linalg.eigh(found.covariance[:size, :size] / np.outer(scale[:size], scale[:size]))
     square = 0.0
     for value, axis in zip(values, vectors.T, strict=True):
-        moved = numbers.copy()
+        moved = theta.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
-        at = repeated(found.hypothesis.read(np.clip(moved, low, high), alone))
-        out = run_filter(problem, made.record, at, found.density, phase=0.0)
+        at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
+        out = run_filter(problem, made.record, at, found.process_noise, phase=0.0)
         square += float(out.recorded[-1] - made.reading[-1]) ** 2
-    noise = found.density * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
+    noise = found.process_noise * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

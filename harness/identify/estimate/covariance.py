@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.screening import information_inverse
-from harness.identify.filter.residuals import Misses
+from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.problem import Problem
 
 _ITERATIONS = 3  # a step of one standard deviation follows from the slopes over the step before
@@ -27,13 +27,13 @@ def with_interval_covariance(problem: Problem, one: Fit) -> Fit:
     The standard deviation is the overdispersed one of the reported intervals, with the other parameters held: moved
     alone by what all of them together leave open, one would go far beyond where the slopes mean anything.
     """
-    if not len(one.numbers):
+    if not len(one.theta):
         return one
     inflation = math.sqrt(problem.settings.overdispersion)
-    residuals = Misses(problem, one.hypothesis, one.density)
-    reach = np.full(len(one.numbers), 1e-3)
+    residuals = Residuals(problem, one.hypothesis, one.process_noise)
+    reach = np.full(len(one.theta), 1e-3)
     for _ in range(_ITERATIONS):
-        slopes = residuals.chords(one.numbers, reach)
+        slopes = residuals.chords(one.theta, reach)
         steepness = np.sqrt(np.sum(slopes**2, axis=0))
         reach = inflation / np.maximum(steepness, inflation / _LONGEST)
     return replace(one, covariance=information_inverse(problem, one.hypothesis, slopes))

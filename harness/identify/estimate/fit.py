@@ -17,12 +17,12 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
-from harness.identify.filter.residuals import Misses
-from harness.identify.problem.hypothesis import Hypothesis, Values, phase_of
+from harness.identify.filter.residuals import Residuals
+from harness.identify.problem.hypothesis import Hypothesis, Terms, phase_of
 from harness.identify.problem.problem import Problem
 
 TWO_SIDED = 1.96  # standard deviations to either side hold 95 % of what is normal
-DENSITY = 1e-5  # where the search for the process noise begins [m²/s³]
+PROCESS_NOISE = 1e-5  # where the search for the process noise begins [m²/s³]
 # Half widths of the search for the log of the density: from nowhere, from a screening fit, and from the round before.
 _WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
 _HIGHEST = 0.0  # log of 1 m²/s³: a beam of which nothing is known
@@ -35,18 +35,18 @@ class Fit:
 
     Attributes:
         hypothesis: what was fitted.
-        numbers: scaled parameters, shape (k,).
-        best: the same as effects, phases and spline term.
-        density: of the process noise [m²/s³].
+        theta: scaled parameters, shape (k,).
+        terms: the same as effects, phases and spline term.
+        process_noise: its density [m²/s³].
         deviance: −2 log likelihood, but for a constant.
         covariance: of the parameters in their units, from the curvature of the likelihood, shape (k, k).
         readings: how many were predicted.
     """
 
     hypothesis: Hypothesis
-    numbers: FloatArray
-    best: Values
-    density: float
+    theta: FloatArray
+    terms: Terms
+    process_noise: float
     deviance: float
     covariance: FloatArray
     readings: int
@@ -54,18 +54,20 @@ class Fit:
     @property
     def refined(self) -> Hypothesis:
         """The hypothesis with its spline term as it was fitted, to begin a further fit from."""
-        return replace(self.hypothesis, shape=self.best.shape)
+        return replace(self.hypothesis, spline=self.terms.spline)
 
     @property
-    def root_density(self) -> float:
+    def root_process_noise(self) -> float:
         """Root of the process noise's density [m/s² per √Hz]: the acceleration that the model leaves unexplained."""
-        return math.sqrt(self.density)
+        return math.sqrt(self.process_noise)
 
     def values(self) -> dict[tuple[str, str], float]:
         """Value of every (effect, parameter), and the phases of the recordings where there are any."""
-        values = {(one.effect.name, key): value for one in self.best.effects for key, value in one.values.items()}
+        values = {(one.effect.name, key): value for one in self.terms.effects for key, value in one.values.items()}
         if self.hypothesis.turning:
-            values |= {phase_of(name): phase for name, phase in zip(self.best.records, self.best.phases, strict=True)}
+            values |= {
+                phase_of(name): phase for name, phase in zip(self.terms.recordings, self.terms.phases, strict=True)
+            }
         return values
 
     def deviations(self) -> dict[tuple[str, str], float]:
@@ -77,7 +79,7 @@ def fit(
     problem: Problem,
     hypothesis: Hypothesis,
     *,
-    density: float = DENSITY,
+    process_noise: float = PROCESS_NOISE,
     known: Mapping[tuple[str, str], float] | None = None,
     starts: Sequence[FloatArray] = (),
     rounds: int | None = None,
@@ -93,20 +95,20 @@ def fit(
     settings = problem.settings
     width = _NEARBY if starts else _WIDE
     if not starts:
-        screened = screen(problem, hypothesis, density, known or {})
-        starts = [one.numbers for one in screened[: settings.starts_followed]]
-    ends = [_fit_from(problem, hypothesis, one, density, rounds or settings.max_rounds, width) for one in starts]
+        screened = screen(problem, hypothesis, process_noise, known or {})
+        starts = [one.theta for one in screened[: settings.starts_followed]]
+    ends = [_fit_from(problem, hypothesis, one, process_noise, rounds or settings.max_rounds, width) for one in starts]
     return min(ends, key=lambda one: one.deviance)
 
 
 def unrefined(problem: Problem, hypothesis: Hypothesis, screened: ScreeningFit) -> Fit:
     """A screening fit that is not followed any further, as a fit."""
-    best = hypothesis.read(screened.numbers, problem)
+    best = hypothesis.terms(screened.theta, problem)
     return Fit(
         hypothesis,
-        screened.numbers,
+        screened.theta,
         best,
-        screened.density,
+        screened.process_noise,
         screened.deviance,
         screened.covariance,
         problem.readings,
@@ -114,35 +116,35 @@ def unrefined(problem: Problem, hypothesis: Hypothesis, screened: ScreeningFit) 
 
 
 def _fit_from(
-    problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, density: float, rounds: int, width: float
+    problem: Problem, hypothesis: Hypothesis, theta: FloatArray, process_noise: float, rounds: int, width: float
 ) -> Fit:
     low, high = hypothesis.bounds(problem)
-    numbers = np.clip(numbers, low + INSIDE, high - INSIDE)
-    slopes, smoothness = np.zeros((problem.readings, len(numbers))), hypothesis.evenness(problem)
+    theta = np.clip(theta, low + INSIDE, high - INSIDE)
+    slopes, smoothness = np.zeros((problem.readings, len(theta))), hypothesis.smoothness(problem)
     lowest = 2.0 * math.log(problem.settings.noise_floor_share * problem.angle_floor)
-    density, deviance = max(density, math.exp(lowest)), math.inf
+    process_noise, deviance = max(process_noise, math.exp(lowest)), math.inf
     for turn in range(rounds):
         before = deviance
-        if len(numbers):
-            residuals = Misses(problem, hypothesis, density)
-            numbers, slopes = _least_squares(residuals, smoothness, numbers, low, high, first=turn == 0)
-        reach, middle = (width if turn == 0 else _NARROW), math.log(density)
+        if len(theta):
+            residuals = Residuals(problem, hypothesis, process_noise)
+            theta, slopes = _least_squares(residuals, smoothness, theta, low, high, first=turn == 0)
+        reach, middle = (width if turn == 0 else _NARROW), math.log(process_noise)
         found = minimize_scalar(
-            lambda x, at=numbers: Misses(problem, hypothesis, math.exp(x)).deviance(at),
+            lambda x, at=theta: Residuals(problem, hypothesis, math.exp(x)).deviance(at),
             bounds=(max(middle - reach, lowest), max(min(middle + reach, _HIGHEST), lowest + 1.0)),
             method="bounded",
             options={"xatol": 0.1},
         )
-        density, deviance = math.exp(found.x), float(found.fun)
-        if not len(numbers) or before - deviance < problem.settings.converged:
+        process_noise, deviance = math.exp(found.x), float(found.fun)
+        if not len(theta) or before - deviance < problem.settings.converged:
             break
-    best = hypothesis.read(numbers, problem)
+    best = hypothesis.terms(theta, problem)
     covariance = information_inverse(problem, hypothesis, slopes)
-    return Fit(hypothesis, numbers, best, density, deviance, covariance, problem.readings)
+    return Fit(hypothesis, theta, best, process_noise, deviance, covariance, problem.readings)
 
 
 def _least_squares(
-    residuals: Misses, smoothness: FloatArray, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
+    residuals: Residuals, smoothness: FloatArray, start: FloatArray, low: FloatArray, high: FloatArray, *, first: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Parameters of least squared innovations at a fixed process noise, and the Jacobian there.
 

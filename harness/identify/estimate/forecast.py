@@ -10,7 +10,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.filter.run import FilterRun, run_filter
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 
 _DRAWS = 48
 
@@ -38,13 +38,15 @@ class Forecast:
         return {"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high}
 
 
-def filtered(problem: Problem, found: Fit, record: Record, reading: FloatArray) -> FilterRun:
+def filtered(problem: Problem, found: Fit, record: PreparedRecording, reading: FloatArray) -> FilterRun:
     """One recording under a fitted hypothesis, from other readings than its own; φ₀ is found from these."""
     phase = phase_of(problem, found, record, reading)
-    return run_filter(problem, record, found.best, found.density, phase=phase, reading=reading)
+    return run_filter(problem, record, found.terms, found.process_noise, phase=phase, reading=reading)
 
 
-def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, *, seed: int = 0) -> Forecast:
+def forecast(
+    problem: Problem, found: Fit, record: PreparedRecording, reading: FloatArray, *, seed: int = 0
+) -> Forecast:
     """Predict one recording from the readings that are known, shape (n,), NaN where none is [m].
 
     The band joins the filter's own, which grows with the angle's error, and the spread of runs with values drawn from
@@ -52,7 +54,7 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
     """
     best = filtered(problem, found, record, reading)
     variance = best.position_variance * best.gain**2
-    count = len(found.numbers)
+    count = len(found.theta)
     if count:
         scale = found.hypothesis.scale(problem)
         root = problem.settings.inflation * _root(found.covariance / np.outer(scale, scale))
@@ -61,9 +63,9 @@ def forecast(problem: Problem, found: Fit, record: Record, reading: FloatArray, 
         square = np.zeros(len(record.time))
         phase = phase_of(problem, found, record, reading)
         for _ in range(_DRAWS):
-            numbers = np.clip(found.numbers + root @ generator.standard_normal(count), low, high)
-            at = found.hypothesis.read(numbers, problem)
-            drawn = run_filter(problem, record, at, found.density, phase=phase, reading=reading)
+            theta = np.clip(found.theta + root @ generator.standard_normal(count), low, high)
+            at = found.hypothesis.terms(theta, problem)
+            drawn = run_filter(problem, record, at, found.process_noise, phase=phase, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
     return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])

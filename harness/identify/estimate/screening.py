@@ -12,7 +12,7 @@ from scipy.optimize import lsq_linear
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.starts import attenuated, starting_points
-from harness.identify.filter.residuals import Misses
+from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
@@ -38,9 +38,9 @@ class ScreeningFit:
     """
 
     start: FloatArray
-    numbers: FloatArray
+    theta: FloatArray
     predicted: float
-    density: float
+    process_noise: float
     deviance: float
     covariance: FloatArray
 
@@ -53,7 +53,7 @@ class ScreeningFit:
 def screen(
     problem: Problem,
     hypothesis: Hypothesis,
-    density: float,
+    process_noise: float,
     known: Mapping[tuple[str, str], float],
     *,
     without: float = math.inf,
@@ -71,14 +71,14 @@ def screen(
     """
     far = without + _FAR * problem.readings
     found = []
-    for start in starting_points(problem, hypothesis, known, density):
-        residuals = Misses(problem, hypothesis, density)
+    for start in starting_points(problem, hypothesis, known, process_noise):
+        residuals = Residuals(problem, hypothesis, process_noise)
         weaker = (attenuated(hypothesis, start, factor, known) for factor in _ATTENUATIONS)
         near = next((one for one in weaker if residuals.deviance(one) < far), start)
         found.append(_one_step(problem, hypothesis, near, residuals, steps[0]))
     by_deviance = attrgetter("deviance")
     found.sort(key=by_deviance)
-    residuals = Misses(problem, hypothesis, density)
+    residuals = Residuals(problem, hypothesis, process_noise)
     found += [_one_step(problem, hypothesis, found[0].start, residuals, step) for step in steps[1:]]
     found.sort(key=by_deviance)
     first = problem.settings.starts_followed
@@ -88,22 +88,22 @@ def screen(
 
 def information_inverse(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
     """Covariance of the parameters in their units, shape (k, k), by the Jacobian of the normalised innovations."""
-    scale, smoothness = hypothesis.scale(problem), hypothesis.evenness(problem)
+    scale, smoothness = hypothesis.scale(problem), hypothesis.smoothness(problem)
     return np.linalg.pinv(slopes.T @ slopes + smoothness.T @ smoothness) * np.outer(scale, scale)
 
 
 def _one_step(
-    problem: Problem, hypothesis: Hypothesis, start: FloatArray, residuals: Misses, step: float
+    problem: Problem, hypothesis: Hypothesis, start: FloatArray, residuals: Residuals, step: float
 ) -> ScreeningFit:
     low, high = hypothesis.bounds(problem)
     start = np.clip(start, low + INSIDE, high - INSIDE)
     here = residuals.at(start)
     if not len(start):
         deviance = residuals.deviance(start)
-        return ScreeningFit(start, start, deviance, residuals.density, deviance, np.zeros((0, 0)))
+        return ScreeningFit(start, start, deviance, residuals.process_noise, deviance, np.zeros((0, 0)))
     relative = np.clip(np.abs(start), COARSE_STEP / 10.0, COARSE_STEP)
     slopes = residuals.slopes(start, relative if step == COARSE_STEP else np.full(len(start), step))
-    smoothness = hypothesis.evenness(problem)
+    smoothness = hypothesis.smoothness(problem)
     all_slopes, all_here = np.vstack((slopes, smoothness)), np.concatenate((here, smoothness @ start))
     move = lsq_linear(all_slopes, -all_here, bounds=(low - start, high - start), method="bvls").x
     before = residuals.deviance(start)
@@ -113,17 +113,17 @@ def _one_step(
         half = start + 0.5 * move
         deviance, end = min((residuals.deviance(half), half), (before, start), key=itemgetter(0))
     covariance = information_inverse(problem, hypothesis, slopes)
-    return ScreeningFit(start, end, predicted, residuals.density, deviance, covariance)
+    return ScreeningFit(start, end, predicted, residuals.process_noise, deviance, covariance)
 
 
 def _with_less_noise(problem: Problem, hypothesis: Hypothesis, one: ScreeningFit) -> ScreeningFit:
     """The same with less process noise where that is likelier, which it is if the law explains what was missing."""
     lowest = (problem.settings.noise_floor_share * problem.angle_floor) ** 2
     for factor in _NOISE_FACTORS:
-        if factor * one.density < lowest:
+        if factor * one.process_noise < lowest:
             break
-        deviance = Misses(problem, hypothesis, factor * one.density).deviance(one.numbers)
+        deviance = Residuals(problem, hypothesis, factor * one.process_noise).deviance(one.theta)
         if deviance > one.deviance:
             break
-        one = replace(one, density=factor * one.density, deviance=deviance)
+        one = replace(one, process_noise=factor * one.process_noise, deviance=deviance)
     return one

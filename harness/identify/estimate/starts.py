@@ -19,7 +19,7 @@ Known = Mapping[tuple[str, str], float]
 """Values by (effect, parameter), and phases by `phase_of` a recording."""
 
 
-def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, density: float) -> list[FloatArray]:
+def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, process_noise: float) -> list[FloatArray]:
     """Scaled parameters to begin from, each of shape (k,); where there are many, the likeliest.
 
     Args:
@@ -34,33 +34,33 @@ def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, dens
         else:
             each = (one.starts_on(problem.visited, problem.rig) for one in effect.parameters)
             choices.append([list(one) for one in itertools.product(*each)])
-    phases, nodes = hypothesis.tail(problem)[0], list(hypothesis.shape.nodes) if hypothesis.shape else []
+    phases, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.nodes) if hypothesis.spline else []
     starts = []
     for one in itertools.product(*choices):
         values = [value for each in one for value in each]
-        numbers = np.array([*values, *[0.0] * phases, *nodes]) / hypothesis.scale(problem)
-        starts.append(_with_phases(problem, hypothesis, numbers, known, density))
+        theta = np.array([*values, *[0.0] * phases, *nodes]) / hypothesis.scale(problem)
+        starts.append(_with_phases(problem, hypothesis, theta, known, process_noise))
     if len(starts) > _SCREENED:
-        starts.sort(key=lambda numbers: deviance(problem, hypothesis.read(numbers, problem), density))
+        starts.sort(key=lambda theta: deviance(problem, hypothesis.terms(theta, problem), process_noise))
     return starts[:_SCREENED]
 
 
-def attenuated(hypothesis: Hypothesis, numbers: FloatArray, factor: float, known: Known) -> FloatArray:
+def attenuated(hypothesis: Hypothesis, theta: FloatArray, factor: float, known: Known) -> FloatArray:
     """Scaled parameters with the strengths of effects that are not `known` at `factor` of what they are."""
     strengths = {(effect.name, name) for effect in hypothesis.effects for name in effect.strengths}
     factors = [factor if key in strengths and key not in known else 1.0 for key in hypothesis.parameters]
-    return numbers * np.array(factors + [1.0] * (len(numbers) - len(factors)))
+    return theta * np.array(factors + [1.0] * (len(theta) - len(factors)))
 
 
 def _with_phases(
-    problem: Problem, hypothesis: Hypothesis, numbers: FloatArray, known: Known, density: float
+    problem: Problem, hypothesis: Hypothesis, theta: FloatArray, known: Known, process_noise: float
 ) -> FloatArray:
     """The parameters with the phases that are known or, one recording at a time, the likeliest of a few."""
-    at, first = hypothesis.read(numbers, problem), len(hypothesis.parameters)
-    for n, record in enumerate(problem.records[: hypothesis.tail(problem)[0]]):
+    at, first = hypothesis.terms(theta, problem), len(hypothesis.parameters)
+    for n, record in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
         phase = known.get(phase_of(record.name))
         if phase is None:
-            tried = [deviance_of(problem, record, at, density, phase=float(one)) for one in _PHASES]
+            tried = [deviance_of(problem, record, at, process_noise, phase=float(one)) for one in _PHASES]
             phase = float(_PHASES[np.argmin(tried)])
-        numbers[first + n] = phase
-    return numbers
+        theta[first + n] = phase
+    return theta

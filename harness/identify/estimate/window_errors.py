@@ -33,5 +33,5 @@ def tuned_to_windows(problem: Problem, found: Fit, seen: Sequence[Window]) -> Fi
     The likeliest process noise for the next reading need not be the best for the next seconds, where model or sensor
     errs in a way that is not white.
     """
-    tried = [found, *(replace(found, density=float(density)) for density in _DENSITIES)]
+    tried = [found, *(replace(found, process_noise=float(process_noise)) for process_noise in _DENSITIES)]
     return min(tried, key=lambda one: sum(error**2 for error in window_errors(problem, one, seen)))

@@ -16,8 +16,8 @@ from harness.identify.filter.ekf import (
     extended_kalman_filter,
     negative_two_log_likelihood,
 )
-from harness.identify.problem.hypothesis import Values
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.hypothesis import Terms
+from harness.identify.problem.problem import PreparedRecording, Problem
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class FilterRun:
         return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
 
 
-def dynamics(problem: Problem, record: Record, added: Values, phase: float) -> tuple[FloatArray, FloatArray]:
+def dynamics(problem: Problem, record: PreparedRecording, added: Terms, phase: float) -> tuple[FloatArray, FloatArray]:
     """The kernel's vector, shape (SLOTS,), and the beam's table of one recording.
 
     Args:
@@ -55,17 +55,17 @@ def dynamics(problem: Problem, record: Record, added: Values, phase: float) -> t
     p = parameters_with(problem.model, problem.rig, every, phase=phase)
     p[ORIGIN] = record.origin / problem.sensor(added.effects)[0]
     table = record.table_with(every)
-    if added.shape is not None:
-        added.shape.write(p, phase)
-        table = added.shape.load(table, record.times, problem.rig.gravity)
+    if added.spline is not None:
+        added.spline.write(p, phase)
+        table = added.spline.load(table, record.times, problem.rig.gravity)
     return p, table
 
 
 def run_filter(
     problem: Problem,
-    record: Record,
-    added: Values,
-    density: float,
+    record: PreparedRecording,
+    added: Terms,
+    process_noise: float,
     *,
     phase: float | None = None,
     reading: FloatArray | None = None,
@@ -82,34 +82,38 @@ def run_filter(
     p, table = dynamics(problem, record, added, added.phase_of(record.name) if phase is None else phase)
     readings = Readings(record.time, record.reading if reading is None else reading)
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
-    return FilterRun(*extended_kalman_filter(readings, beam, p, Sensor(gain, lag, problem.noise), density), gain, lag)
+    return FilterRun(
+        *extended_kalman_filter(readings, beam, p, Sensor(gain, lag, problem.reading_variance), process_noise),
+        gain,
+        lag,
+    )
 
 
-def innovations(problem: Problem, added: Values, density: float) -> tuple[FloatArray, FloatArray]:
+def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
     """Innovations over all recordings and their variances, both of shape (readings,) [m], [m²]."""
-    runs = [(one, run_filter(problem, one, added, density)) for one in problem.records]
+    runs = [(one, run_filter(problem, one, added, process_noise)) for one in problem.recordings]
     return (
         np.concatenate([run.innovation[one.judged] for one, run in runs]),
         np.concatenate([run.innovation_variance[one.judged] for one, run in runs]),
     )
 
 
-def deviance(problem: Problem, added: Values, density: float) -> float:
+def deviance(problem: Problem, added: Terms, process_noise: float) -> float:
     """−2 log likelihood of the innovations over all recordings, but for a constant."""
-    return negative_two_log_likelihood(*innovations(problem, added, density))
+    return negative_two_log_likelihood(*innovations(problem, added, process_noise))
 
 
 def deviance_of(
     problem: Problem,
-    record: Record,
-    added: Values,
-    density: float,
+    record: PreparedRecording,
+    added: Terms,
+    process_noise: float,
     *,
     phase: float | None = None,
     reading: FloatArray | None = None,
 ) -> float:
     """The same of one recording; arguments as of `run_filter`."""
-    run = run_filter(problem, record, added, density, phase=phase, reading=reading)
+    run = run_filter(problem, record, added, process_noise, phase=phase, reading=reading)
     use = record.judged if reading is None else predicted(reading)
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])
 

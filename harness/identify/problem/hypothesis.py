@@ -10,7 +10,7 @@ import numpy as np
 from analytic.effects import CATALOGUE, Acting, Effect, Parameter
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.spline_term import Shape
+from harness.identify.problem.spline_term import SplineTerm
 
 # Typical sizes by which neighbouring nodes of a curve differ, standard deviation: of a force, and of a friction, which
 # begins at an edge where a surface does.
@@ -23,20 +23,20 @@ def phase_of(record: str) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Values:
+class Terms:
     """A hypothesis with numbers: effects, φ₀ of each recording [rad], and the curve."""
 
-    records: tuple[str, ...]
+    recordings: tuple[str, ...]
     effects: tuple[Acting, ...]
     phases: FloatArray
-    shape: Shape | None
+    spline: SplineTerm | None
 
     def phase_of(self, record: str) -> float:
         """φ₀ of a recording by name [rad]; 0 of one that these values are not of."""
-        return float(self.phases[self.records.index(record)]) if record in self.records else 0.0
+        return float(self.phases[self.recordings.index(record)]) if record in self.recordings else 0.0
 
 
-NOTHING = Values((), (), np.zeros(0), None)
+NOTHING = Terms((), (), np.zeros(0), None)
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Hypothesis:
     """
 
     names: tuple[str, ...]
-    shape: Shape | None = None
+    spline: SplineTerm | None = None
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -67,11 +67,11 @@ class Hypothesis:
     @property
     def turning(self) -> bool:
         """Whether it matters how the ball lies at the start of each recording."""
-        return any(one.turning for one in self.effects) or (self.shape is not None and self.shape.turning)
+        return any(one.turning for one in self.effects) or (self.spline is not None and self.spline.turning)
 
     def tail(self, problem: Problem) -> tuple[int, int]:
         """How many phases and how many nodes of a curve."""
-        return len(problem.records) if self.turning else 0, len(self.shape.nodes) if self.shape else 0
+        return len(problem.recordings) if self.turning else 0, len(self.spline.nodes) if self.spline else 0
 
     def size(self, problem: Problem) -> int:
         """How many numbers are fitted."""
@@ -80,7 +80,7 @@ class Hypothesis:
     def scale(self, problem: Problem) -> FloatArray:
         """What one unit of each number is worth."""
         phases, nodes = self.tail(problem)
-        node = 0.0 if self.shape is None else 0.003 if self.shape.friction else 0.03
+        node = 0.0 if self.spline is None else 0.003 if self.spline.friction else 0.03
         sizes = [one.size(problem.rig) for one in self._each]
         return np.array(sizes + [1.0] * phases + [node] * nodes)
 
@@ -92,27 +92,27 @@ class Hypothesis:
         scale = self.scale(problem)
         return low / scale, high / scale
 
-    def evenness(self, problem: Problem) -> FloatArray:
+    def smoothness(self, problem: Problem) -> FloatArray:
         """What neighbouring nodes of the curve differ by, in what they typically do, as a matrix on the scaled numbers.
 
         Where hardly a reading falls nodes would be anything at all; so they follow their neighbours, as the curve keeps
         its last value beyond the last node. Shape (r, k), r = 0 without a curve.
         """
-        if self.shape is None:
+        if self.spline is None:
             return np.zeros((0, self.size(problem)))
-        count = len(self.shape.nodes)
+        count = len(self.spline.nodes)
         steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
-        steps = steps if self.shape.turning else steps[:-1]
-        return np.hstack((np.zeros((len(steps), self.size(problem) - count)), steps / _UNEVEN[self.shape.friction]))
+        steps = steps if self.spline.turning else steps[:-1]
+        return np.hstack((np.zeros((len(steps), self.size(problem) - count)), steps / _UNEVEN[self.spline.friction]))
 
-    def read(self, numbers: FloatArray, problem: Problem) -> Values:
+    def terms(self, theta: FloatArray, problem: Problem) -> Terms:
         """The effects with their values, the phases of the recordings and the curve."""
-        values = numbers * self.scale(problem)
+        values = theta * self.scale(problem)
         acting, at = [], 0
         for effect in self.effects:
             each = {p.name: float(values[at + i]) for i, p in enumerate(effect.parameters)}
             acting.append(Acting(effect, each))
             at += len(effect.parameters)
-        phases = values[at : at + len(problem.records)] if self.turning else np.zeros(len(problem.records))
-        shape = replace(self.shape, nodes=values[-len(self.shape.nodes) :]) if self.shape else None
-        return Values(tuple(record.name for record in problem.records), tuple(acting), phases, shape)
+        phases = values[at : at + len(problem.recordings)] if self.turning else np.zeros(len(problem.recordings))
+        spline = replace(self.spline, nodes=values[-len(self.spline.nodes) :]) if self.spline else None
+        return Terms(tuple(record.name for record in problem.recordings), tuple(acting), phases, spline)

@@ -12,7 +12,7 @@ from analytic.rig import Rig
 from harness.comparison import Choices, Setting
 from harness.comparison import prepare as settle
 from harness.errors import InputError
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.preparation.rig_completion import missing
 from harness.recording import Case, KnownRig, Recording, Sensors, inferred_resolution
 from harness.signals.ball_state import estimate_ball
@@ -51,12 +51,12 @@ def stand_ins(known: KnownRig) -> tuple[str, ...]:
     return tuple(standing[quantity] for quantity in _STOOD_FOR if quantity in open_)
 
 
-def record_of(case: Case, recording: Recording, rig: Rig) -> tuple[Record, float]:
+def record_of(case: Case, recording: Recording, rig: Rig) -> tuple[PreparedRecording, float]:
     """One recording of a case with its drive, spikes set aside, and the standard deviation of its readings [m]."""
     return record_from(recording, case.sensors, rig)
 
 
-def record_from(recording: Recording, sensors: Sensors, rig: Rig) -> tuple[Record, float]:
+def record_from(recording: Recording, sensors: Sensors, rig: Rig) -> tuple[PreparedRecording, float]:
     """As `record_of`, for a recording that comes with its sensors instead of a case."""
     drive = make_drive(
         recording.time,
@@ -75,4 +75,4 @@ def record_from(recording: Recording, sensors: Sensors, rig: Rig) -> tuple[Recor
     )
     reading = np.where(ball.trusted, recording.position, np.nan)
     noise = float(np.hypot(ball.noise, (resolution or 0.0) / np.sqrt(12.0)))
-    return Record(recording.name, np.array(recording.time), reading, drive), noise
+    return PreparedRecording(recording.name, np.array(recording.time), reading, drive), noise

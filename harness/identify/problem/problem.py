@@ -23,7 +23,7 @@ _LONGEST_STEP = 1e-2  # [s]: leaves 2e-6 m in 10 s even where the ball stops and
 
 
 @dataclass(frozen=True)
-class Record:
+class PreparedRecording:
     """One recording: stamps, shape (n,) [s]; readings of the position, NaN where there is none that counts [m]."""
 
     name: str
@@ -74,19 +74,19 @@ class Problem:
     """Recordings of one rig.
 
     Attributes:
-        records: at least one, each with positions.
+        recordings: at least one, each with positions.
         rig: complete.
         declared: effects known to act.
-        noise: variance of a position reading, rounding included [m²].
+        reading_variance: variance of a position reading, rounding included [m²].
         model: the baseline to which effects are added.
         unknown: effects that stand for what nobody knows of the rig; every hypothesis has them, and none is a finding.
         settings: by which everything is decided.
     """
 
-    records: tuple[Record, ...]
+    recordings: tuple[PreparedRecording, ...]
     rig: Rig
     declared: tuple[Acting, ...]
-    noise: float
+    reading_variance: float
     model: Model = CAM
     unknown: tuple[str, ...] = ()
     settings: Settings = DEFAULT
@@ -94,12 +94,12 @@ class Problem:
     @property
     def readings(self) -> int:
         """Number of readings that count."""
-        return sum(int(np.isfinite(record.reading).sum()) for record in self.records)
+        return sum(int(np.isfinite(record.reading).sum()) for record in self.recordings)
 
     @cached_property
     def visited(self) -> FloatArray:
         """All positions that were read, shape (readings,) [m]."""
-        return np.concatenate([record.reading[np.isfinite(record.reading)] for record in self.records])
+        return np.concatenate([record.reading[np.isfinite(record.reading)] for record in self.recordings])
 
     @cached_property
     def angle_floor(self) -> float:
@@ -107,15 +107,15 @@ class Problem:
 
         It is what the process noise of a model that lacks nothing comes to.
         """
-        densities = []
-        for record in self.records:
+        process_noises = []
+        for record in self.recordings:
             step = float(np.median(np.diff(record.time)))
             span = max(int(_FLOOR_SPAN / step), 1)
             for path in record.drive.draw(_FLOOR_DRAWS, seed=0):
                 error = path.states[:, 0] - record.drive.states[:, 0]
                 turned = np.cumsum(error) * step
-                densities.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
-        return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(densities)))
+                process_noises.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
+        return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(process_noises)))
 
     def sensor(self, effects: Sequence[Acting]) -> tuple[float, float]:
         """Gain [1] and lag [s] of the position sensor with `effects` beside those declared."""

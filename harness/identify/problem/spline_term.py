@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     pass
 
 
-class Depends(StrEnum):
+class Regressor(StrEnum):
     """What a curve depends on; names as in diagnosis.json."""
 
     POSITION = "position"
@@ -44,20 +44,20 @@ class Depends(StrEnum):
 
 
 _KERNEL = {
-    (Depends.POSITION, False): OF_POSITION,
-    (Depends.VELOCITY, False): OF_VELOCITY,
-    (Depends.ANGLE, False): OF_ANGLE,
-    (Depends.ROLL_ANGLE, False): OF_ROLL,
-    (Depends.POSITION, True): DRY_OF_POSITION,
-    (Depends.ROLL_ANGLE, True): DRY_OF_ROLL,
-    (Depends.TIME, True): DRY_OF_TIME,
+    (Regressor.POSITION, False): OF_POSITION,
+    (Regressor.VELOCITY, False): OF_VELOCITY,
+    (Regressor.ANGLE, False): OF_ANGLE,
+    (Regressor.ROLL_ANGLE, False): OF_ROLL,
+    (Regressor.POSITION, True): DRY_OF_POSITION,
+    (Regressor.ROLL_ANGLE, True): DRY_OF_ROLL,
+    (Regressor.TIME, True): DRY_OF_TIME,
 }
-KINDS = ((Depends.TIME, False), *_KERNEL)
+KINDS = ((Regressor.TIME, False), *_KERNEL)
 """What is tried: (dependence, whether it is a dry friction)."""
 
 
 @dataclass(frozen=True)
-class Shape:
+class SplineTerm:
     """One curve.
 
     Attributes:
@@ -67,7 +67,7 @@ class Shape:
         nodes: values, shape (n,), n at most MOST_NODES; of a curve of the rolled angle the first follows the last.
     """
 
-    depends: Depends
+    depends: Regressor
     friction: bool
     low: float
     step: float
@@ -81,7 +81,7 @@ class Shape:
     @property
     def turning(self) -> bool:
         """Whether it matters how the ball lies at the start."""
-        return self.depends is Depends.ROLL_ANGLE
+        return self.depends is Regressor.ROLL_ANGLE
 
     @property
     def name(self) -> str:
@@ -117,7 +117,7 @@ class Shape:
 
     def load(self, table: FloatArray, times: FloatArray, gravity: float) -> FloatArray:
         """The beam's table with a curve of time in it: a force as the tilt that gives it, a friction as a column."""
-        if self.depends is not Depends.TIME:
+        if self.depends is not Regressor.TIME:
             return table
         if self.friction:
             return np.column_stack((table, self.at(times)))
@@ -146,10 +146,10 @@ class Shape:
         """
         if not 2 <= record.nodes <= MOST_NODES:
             raise ValueError(f"a curve of {record.nodes} nodes")
-        return cls(Depends(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
+        return cls(Regressor(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
 
 
-def blank(depends: Depends, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> Shape:
+def blank(depends: Regressor, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
     """A curve that is nothing yet, over what is visited from `low` to `high`."""
-    steps = count if depends is Depends.ROLL_ANGLE else count - 1
-    return Shape(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))
+    steps = count if depends is Regressor.ROLL_ANGLE else count - 1
+    return SplineTerm(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 
 KNOWN = 2.0  # of each window [s]: what comes before is known to the prediction
 AHEAD = 3.0  # of each window [s]: what is predicted
@@ -30,7 +30,7 @@ class Window:
         use: its stamps, a slice of the recording's n.
     """
 
-    record: Record
+    record: PreparedRecording
     begin: float
     use: slice
 
@@ -78,7 +78,7 @@ class Window:
         return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
 
 
-def windows_of(records: Sequence[Record]) -> tuple[Window, ...]:
+def windows_of(records: Sequence[PreparedRecording]) -> tuple[Window, ...]:
     """All windows with 2 s known and 3 s to be predicted, one after the other; the predicted parts do not overlap."""
     found = []
     for record in records:
@@ -114,7 +114,7 @@ class Fold:
     """
 
     problem: Problem
-    left: tuple[Record, ...]
+    left: tuple[PreparedRecording, ...]
 
     @property
     def title(self) -> str:
@@ -124,7 +124,7 @@ class Fold:
 
 def folds(problem: Problem) -> list[Fold]:
     """Each recording held out in turn; of a single one, either half of its positions."""
-    records = problem.records
+    records = problem.recordings
     if len(records) > 1:
         parts = [(tuple(r for r in records if r is not left), left) for left in records]
     else:
@@ -133,8 +133,8 @@ def folds(problem: Problem) -> list[Fold]:
         middle = int(known[len(known) // 2])  # of what is known: there may be nothing after its first seconds
         first, second = _piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))
         parts = [((first,), second), ((second,), first)]
-    return [Fold(replace(problem, records=rest), (left,)) for rest, left in parts]
+    return [Fold(replace(problem, recordings=rest), (left,)) for rest, left in parts]
 
 
-def _piece(record: Record, part: str, where: slice) -> Record:
-    return Record(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)
+def _piece(record: PreparedRecording, part: str, where: slice) -> PreparedRecording:
+    return PreparedRecording(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)

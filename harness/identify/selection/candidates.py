@@ -54,7 +54,7 @@ def found_in(problem: Problem, one: Fit) -> tuple[str, ...]:
 
 def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
     """These effects, fitted from where `base` is."""
-    return fit(problem, Hypothesis(names), density=base.density, known=base.values())
+    return fit(problem, Hypothesis(names), process_noise=base.process_noise, known=base.values())
 
 
 def fit_candidates(
@@ -73,7 +73,7 @@ def fit_candidates(
         """Predicted decrease of the criterion; where much is missing without the price of parameters, because the
         process noise then hides the gain."""
         deviance = min(one.hoped for one in screened)
-        price = math.log(problem.readings) * (len(screened[0].numbers) - len(base.numbers)) if near else 0.0
+        price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if near else 0.0
         return (base.deviance - deviance) / settings.overdispersion - price
 
     screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if near or replacing else _STEPS)
@@ -91,15 +91,15 @@ def fit_candidates(
             return unrefined(problem, _with(base, name), first)
         progress(f"fit of {' + '.join((*base.hypothesis.names, name))}")
         close = first.deviance + settings.screened_share * (base.deviance - first.deviance)
-        starts = [one.numbers for one in screened[name][: settings.starts_followed] if one.deviance <= close]
-        return fit(problem, _with(base, name), density=first.density, starts=starts, rounds=1)
+        starts = [one.theta for one in screened[name][: settings.starts_followed] if one.deviance <= close]
+        return fit(problem, _with(base, name), process_noise=first.process_noise, starts=starts, rounds=1)
 
     def finish(one: Fit) -> Fit:
         abandon = settings.abandon_behind if one.hypothesis.names[-1] in promising else 0.0
         if criterion.value(one) > best + abandon:
             return one
         progress(f"fit of {' + '.join(one.hypothesis.names)}")
-        return fit(problem, one.hypothesis, density=one.density, starts=[one.numbers])
+        return fit(problem, one.hypothesis, process_noise=one.process_noise, starts=[one.theta])
 
     begun = in_threads(begin, names)
     best = min((criterion.value(one) for one in begun if one.hypothesis.names[-1] in promising), default=-math.inf)
@@ -123,13 +123,13 @@ def _screened(
     def screened(name: str) -> list[ScreeningFit]:
         progress(" + ".join((*base.hypothesis.names, name)))
         hypothesis = _with(base, name)
-        return screen(problem, hypothesis, base.density, base.values(), without=base.deviance, steps=steps)
+        return screen(problem, hypothesis, base.process_noise, base.values(), without=base.deviance, steps=steps)
 
     return dict(zip(names, in_threads(screened, names), strict=True))
 
 
 def _with(base: Fit, name: str) -> Hypothesis:
-    return Hypothesis((*base.hypothesis.names, name), base.hypothesis.shape)
+    return Hypothesis((*base.hypothesis.names, name), base.hypothesis.spline)
 
 
 def in_threads(function: Callable[[_S], _T], each: Iterable[_S]) -> list[_T]:

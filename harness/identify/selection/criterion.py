@@ -81,16 +81,16 @@ class Criterion:
 
     def value(self, one: Fit) -> float:
         """Quasi-BIC of a fit; with a spline term its BIC."""
-        return self._value(one, spline=one.hypothesis.shape is not None)
+        return self._value(one, spline=one.hypothesis.spline is not None)
 
     def gain(self, tried: Fit, against: Fit) -> float:
         """By how much `tried` lowers the criterion; both by BIC where either has a spline term."""
-        spline = tried.hypothesis.shape is not None or against.hypothesis.shape is not None
+        spline = tried.hypothesis.spline is not None or against.hypothesis.spline is not None
         return self._value(against, spline=spline) - self._value(tried, spline=spline)
 
     def _value(self, one: Fit, *, spline: bool) -> float:
         overdispersion = 1.0 if spline else self.settings.overdispersion
-        return one.deviance / overdispersion + math.log(one.readings) * len(one.numbers)
+        return one.deviance / overdispersion + math.log(one.readings) * len(one.theta)
 
     def decide(self, rule: Rule, tried: Fit, against: Fit, evidence: Evidence = NONE) -> Decision:
         """Decide whether `tried` is kept over `against`.
@@ -204,20 +204,20 @@ class Criterion:
 
     def explained(self, problem: Problem, one: Fit) -> bool:
         """Whether the process noise is within a small factor of the input-noise floor: nothing is left to explain."""
-        return one.root_density < self.settings.explained_ratio * problem.angle_floor
+        return one.root_process_noise < self.settings.explained_ratio * problem.angle_floor
 
     def unexplained(self, problem: Problem, one: Fit) -> bool:
         """Whether the process noise is an order of magnitude above the input-noise floor: something certainly acts."""
-        return one.root_density > self.settings.unexplained_ratio * problem.angle_floor
+        return one.root_process_noise > self.settings.unexplained_ratio * problem.angle_floor
 
     def rivals(self, one: Fit, found: Fit) -> bool:
         """Whether `one` explains nearly as much as `found`, so that the data do not tell them apart."""
-        alike = (one.hypothesis.shape is None) == (found.hypothesis.shape is None)
+        alike = (one.hypothesis.spline is None) == (found.hypothesis.spline is None)
         return alike and self.value(one) < self.value(found) + self.settings.rival
 
     def rival_separation(self, one: Fit, found: Fit) -> float:
         """Standard deviations from which on `one` is told from `found`, by the deviance alone."""
-        price = math.log(found.readings) * (len(one.numbers) - len(found.numbers))
+        price = math.log(found.readings) * (len(one.theta) - len(found.theta))
         return math.sqrt(max(self.settings.rival - price, 0.0))
 
     def detection_limit(self, readings: int, parameters: int) -> float:

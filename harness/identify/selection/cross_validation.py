@@ -26,14 +26,14 @@ def cross_validate(problem: Problem, base: Fit, found: Fit, ledger: Ledger, prog
         base: the fit without any effect.
     """
     settings = problem.settings
-    if ledger.criterion.explained(problem, found) or len(windows_of(problem.records)) < settings.min_windows:
+    if ledger.criterion.explained(problem, found) or len(windows_of(problem.recordings)) < settings.min_windows:
         return found
-    if found.hypothesis.shape is not None:
+    if found.hypothesis.spline is not None:
         plain = next(one.against for one in ledger.lines if one.kept and one.rule is Rule.SPLINE)
         found = _validated(problem, found, plain, (), ledger, progress)
-    if found.hypothesis.shape is None and found_in(problem, found):
+    if found.hypothesis.spline is None and found_in(problem, found):
         found = _validated(problem, found, base, found_in(problem, found), ledger, progress)
-    while len(found_in(problem, found)) < settings.validated_effects and found.hypothesis.shape is None:
+    while len(found_in(problem, found)) < settings.validated_effects and found.hypothesis.spline is None:
         better = _extended(problem, found, ledger, progress)
         if better is None:
             break
@@ -46,9 +46,13 @@ def held_out_errors(problem: Problem, one: Fit) -> tuple[float, ...]:
     errors: list[float] = []
     for fold in folds(problem):
         again = fit(
-            fold.problem, one.refined, density=one.density, known=one.values(), rounds=problem.settings.validated_rounds
+            fold.problem,
+            one.refined,
+            process_noise=one.process_noise,
+            known=one.values(),
+            rounds=problem.settings.validated_rounds,
         )
-        tuned = tuned_to_windows(fold.problem, again, windows_of(fold.problem.records))
+        tuned = tuned_to_windows(fold.problem, again, windows_of(fold.problem.recordings))
         errors += window_errors(fold.problem, tuned, windows_of(fold.left))
     return tuple(errors)
 
@@ -64,7 +68,7 @@ def _validated(
 
 def _extended(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit | None:
     """The candidate beside `base` that predicts held-out windows best, if that is more than chance."""
-    seen = windows_of(problem.records)
+    seen = windows_of(problem.recordings)
 
     def in_sample(one: Fit) -> float:
         progress(f"{one.hypothesis.names[-1]} on windows")
@@ -83,5 +87,5 @@ def _extended(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -
     for one, evidence in rounds:
         full = Evidence(winner=winner, before=evidence.before, after=evidence.after, tests=tests)
         if ledger.decide(Rule.EXTEND, one, base, one.hypothesis.names[-1:], full):
-            kept = fit(problem, one.hypothesis, density=one.density, starts=[one.numbers])
+            kept = fit(problem, one.hypothesis, process_noise=one.process_noise, starts=[one.theta])
     return kept

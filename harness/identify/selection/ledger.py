@@ -33,8 +33,8 @@ class Line:
         """What was tried, in words."""
         if self.effects:
             return " + ".join(self.effects)
-        shape = self.fit.hypothesis.shape
-        return "nothing" if shape is None else shape.name
+        spline = self.fit.hypothesis.spline
+        return "nothing" if spline is None else spline.name
 
     @property
     def beside(self) -> tuple[str, ...]:

@@ -53,9 +53,9 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
     """What determines every fit and decision; `inputs` are hashes of files and versions of software."""
     record = ProblemRecord(
         inputs=inputs,
-        recordings=tuple(one.name for one in problem.records),
+        recordings=tuple(one.name for one in problem.recordings),
         readings=problem.readings,
-        reading_variance_m2=problem.noise,
+        reading_variance_m2=problem.reading_variance,
         baseline=problem.model.name,
         rig=RigRecord.model_validate(problem.rig),
         declared=declared_record(problem),
@@ -66,12 +66,12 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
 
 def fit_record(one: Fit, criterion: Criterion) -> FitRecord:
     """A fit: its hypothesis with the law of each effect, its parameters, and how well it predicts."""
-    shape = one.hypothesis.shape
+    spline = one.hypothesis.spline
     return FitRecord(
         effects=tuple(FittedEffect.model_validate(effect) for effect in one.hypothesis.effects),
-        spline_term=None if shape is None else shape.record(),
-        parameters=tuple(one.numbers.tolist()),
-        process_noise_m2_s3=one.density,
+        spline_term=None if spline is None else spline.record(),
+        parameters=tuple(one.theta.tolist()),
+        process_noise_m2_s3=one.process_noise,
         deviance=one.deviance,
         criterion=criterion.value(one),
     )

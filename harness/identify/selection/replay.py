@@ -14,7 +14,7 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.spline_term import Shape
+from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
 from harness.identify.selection.candidates import Progress
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
@@ -113,26 +113,26 @@ def _alike(one: Any, other: Any) -> bool:
 
 def _evaluated(one: FitRecord, problem: Problem) -> Fit:
     """A recorded fit, its deviance evaluated anew at its recorded parameters."""
-    shape = None if one.spline_term is None else Shape.of(one.spline_term)
-    hypothesis = Hypothesis(tuple(each.name for each in one.effects), shape)
-    numbers = np.array(one.parameters, dtype=float)
-    if len(numbers) != hypothesis.size(problem):
-        raise ValueError(f"{len(numbers)} parameters for a hypothesis of {hypothesis.size(problem)}")
-    at, density = hypothesis.read(numbers, problem), one.process_noise_m2_s3
+    spline = None if one.spline_term is None else SplineTerm.of(one.spline_term)
+    hypothesis = Hypothesis(tuple(each.name for each in one.effects), spline)
+    theta = np.array(one.parameters, dtype=float)
+    if len(theta) != hypothesis.size(problem):
+        raise ValueError(f"{len(theta)} parameters for a hypothesis of {hypothesis.size(problem)}")
+    at, process_noise = hypothesis.terms(theta, problem), one.process_noise_m2_s3
     return Fit(
         hypothesis,
-        numbers,
+        theta,
         at,
-        density,
-        deviance(problem, at, density),
-        np.zeros((len(numbers),) * 2),
+        process_noise,
+        deviance(problem, at, process_noise),
+        np.zeros((len(theta),) * 2),
         problem.readings,
     )
 
 
 def _again(found: Fit, problem: Problem) -> Fit:
     """Re-optimised from where it is; where that leads nowhere better, as it is."""
-    onward = fit(problem, found.hypothesis, density=found.density, starts=[found.numbers])
+    onward = fit(problem, found.hypothesis, process_noise=found.process_noise, starts=[found.theta])
     return onward if onward.deviance < found.deviance else replace(found)
 
 

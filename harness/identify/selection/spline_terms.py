@@ -15,8 +15,8 @@ from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
-from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
 from harness.identify.selection.candidates import Progress, found_in, in_threads
 from harness.identify.selection.criterion import Evidence, Rule
@@ -45,19 +45,19 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
         nested = _kind(best) in CATALOGUE[name].relations.nested_in
-        shape = _with_law_in_it(problem, best, name) if nested else best.refined.shape
-        without = fit(problem, Hypothesis(rest, shape), density=best.density, known=best.values())
+        spline = _with_law_in_it(problem, best, name) if nested else best.refined.spline
+        without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, known=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
         best = best if stays else without
     return best
 
 
-def _shape(one: Fit) -> Shape:
-    assert one.best.shape is not None
-    return one.best.shape
+def _shape(one: Fit) -> SplineTerm:
+    assert one.terms.spline is not None
+    return one.terms.spline
 
 
-def _kind(one: Fit) -> tuple[Depends, bool]:
+def _kind(one: Fit) -> tuple[Regressor, bool]:
     return _shape(one).depends, _shape(one).friction
 
 
@@ -65,31 +65,31 @@ def _refined(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) ->
     """The spline term through twice as many nodes, if these pay."""
     progress(f"a finer {_shape(best).name}")
     finer = Hypothesis(best.hypothesis.names, _shape(best).finer())
-    one = fit(problem, finer, density=best.density, known=best.values())
+    one = fit(problem, finer, process_noise=best.process_noise, known=best.values())
     return one if ledger.decide(Rule.REFINE, one, best) else best
 
 
-def _with_law_in_it(problem: Problem, best: Fit, name: str) -> Shape:
+def _with_law_in_it(problem: Problem, best: Fit, name: str) -> SplineTerm:
     """The spline term with the law of an effect that it contains added to its nodes, and with nodes for both."""
-    shape = _shape(best)
-    shape = shape if len(shape.nodes) > problem.settings.spline_nodes else shape.finer()
-    (effect,) = (one for one in best.best.effects if one.effect.name == name)
-    return replace(shape, nodes=shape.nodes + _law_along(problem, effect, shape))
+    spline = _shape(best)
+    spline = spline if len(spline.nodes) > problem.settings.spline_nodes else spline.finer()
+    (effect,) = (one for one in best.terms.effects if one.effect.name == name)
+    return replace(spline, nodes=spline.nodes + _law_along(problem, effect, spline))
 
 
-def _law_along(problem: Problem, effect: Acting, shape: Shape) -> FloatArray:
+def _law_along(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArray:
     """The law of an effect at the nodes of a spline term of its kind, in their unit, shape (n,)."""
     bare, full = (parameters_with(problem.model, problem.rig, each) for each in ((), (effect,)))
-    if shape.friction:  # of a rolling ball, and the mean of both directions
+    if spline.friction:  # of a rolling ball, and the mean of both directions
         limits = [dry_limit(0.0, towards, towards, 0.0, 0.0, 0.0, full) for towards in (1.0, -1.0)]
-        return np.full(len(shape.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
-    s, v, angle = np.zeros((3, len(shape.nodes)))
-    if shape.depends is Depends.VELOCITY:
-        v = shape.places
-    elif shape.depends is Depends.ANGLE:
-        angle = shape.places
+        return np.full(len(spline.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
+    s, v, angle = np.zeros((3, len(spline.nodes)))
+    if spline.depends is Regressor.VELOCITY:
+        v = spline.places
+    elif spline.depends is Regressor.ANGLE:
+        angle = spline.places
     else:
-        s = shape.places / full[ROLL] if shape.turning else shape.places
+        s = spline.places / full[ROLL] if spline.turning else spline.places
 
     def along(p: FloatArray) -> FloatArray:
         return np.array([acceleration(*at, 0.0, 0.0, p) for at in zip(s, v, angle, strict=True)])
@@ -101,45 +101,45 @@ def held_out_deviances(
     problem: Problem, found: Fit, best: Fit, progress: Progress
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Deviance of each recording by fits to the others, without and with the spline term; none of a single one."""
-    if len(problem.records) == 1:
+    if len(problem.recordings) == 1:
         return (), ()
     before: list[float] = []
     after: list[float] = []
     for fold in folds(problem):
         progress(f"the spline term without {fold.title}")
         for one, deviances in ((found, before), (best, after)):
-            refit = fit(fold.problem, one.refined, density=one.density, known=one.values())
+            refit = fit(fold.problem, one.refined, process_noise=one.process_noise, known=one.values())
             deviances.append(_deviance(fold, refit))
     return tuple(before), tuple(after)
 
 
 def _deviance(fold: Fold, fitted: Fit) -> float:
     """Of the held-out recording; its phase and process noise are its own."""
-    record: Record = fold.left[0]
+    record: PreparedRecording = fold.left[0]
     phase = phase_of(fold.problem, fitted, record, record.reading)
-    densities = fitted.density * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, record, fitted.best, one, phase=phase) for one in densities)
+    process_noises = fitted.process_noise * _NOISE_RATIOS
+    return min(deviance_of(fold.problem, record, fitted.terms, one, phase=phase) for one in process_noises)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
     """A spline term of every kind beside what was found, best first; fitted where its screening fit promises it."""
     steps = (COARSE_STEP, 1.0)
 
-    def begin(depends: Depends, friction: bool) -> Hypothesis:
+    def begin(depends: Regressor, friction: bool) -> Hypothesis:
         """One of the rolled angle begins as one recording has it: how the ball lay in the others shows then."""
         count = problem.settings.spline_nodes
-        shape = blank(depends, friction, *visited(problem, depends), count)
-        hypothesis = Hypothesis(found.hypothesis.names, shape)
-        if depends is not Depends.ROLL_ANGLE:
+        spline = blank(depends, friction, *visited(problem, depends), count)
+        hypothesis = Hypothesis(found.hypothesis.names, spline)
+        if depends is not Regressor.ROLL_ANGLE:
             return hypothesis
-        alone = replace(problem, records=(max(problem.records, key=lambda one: np.isfinite(one.reading).sum()),))
-        numbers = screen(alone, hypothesis, found.density, found.values(), steps=steps)[0].numbers
-        return Hypothesis(hypothesis.names, hypothesis.read(numbers, alone).shape)
+        alone = replace(problem, recordings=(max(problem.recordings, key=lambda one: np.isfinite(one.reading).sum()),))
+        theta = screen(alone, hypothesis, found.process_noise, found.values(), steps=steps)[0].theta
+        return Hypothesis(hypothesis.names, hypothesis.terms(theta, alone).spline)
 
     def screened(hypothesis: Hypothesis) -> ScreeningFit:
-        assert hypothesis.shape is not None
-        progress(f"a {hypothesis.shape.name}")
-        return screen(problem, hypothesis, found.density, found.values(), steps=steps)[0]
+        assert hypothesis.spline is not None
+        progress(f"a {hypothesis.spline.name}")
+        return screen(problem, hypothesis, found.process_noise, found.values(), steps=steps)[0]
 
     hypotheses = in_threads(lambda kind: begin(*kind), KINDS)
     seen = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
@@ -149,25 +149,25 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
         hypothesis, first = each
         if found.deviance - first.hoped < least:
             return unrefined(problem, hypothesis, first)
-        return fit(problem, hypothesis, density=found.density, starts=[first.numbers])
+        return fit(problem, hypothesis, process_noise=found.process_noise, starts=[first.theta])
 
     fits = in_threads(follow, seen)
-    return sorted(fits, key=lambda one: one.deviance + np.log(one.readings) * len(one.numbers))
+    return sorted(fits, key=lambda one: one.deviance + np.log(one.readings) * len(one.theta))
 
 
-def visited(problem: Problem, depends: Depends) -> tuple[float, float]:
+def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:
     """Between what the recordings keep what a curve depends on; the outermost half percents are left out."""
     match depends:
-        case Depends.TIME:
-            return min(r.time[0] for r in problem.records), max(r.time[-1] for r in problem.records)
-        case Depends.ROLL_ANGLE:
+        case Regressor.TIME:
+            return min(r.time[0] for r in problem.recordings), max(r.time[-1] for r in problem.recordings)
+        case Regressor.ROLL_ANGLE:
             return 0.0, 2.0 * np.pi
-        case Depends.ANGLE:
-            values = [record.table[:, 0] for record in problem.records]
-        case Depends.POSITION:
-            values = [record.reading[np.isfinite(record.reading)] for record in problem.records]
-        case Depends.VELOCITY:
-            runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.records)
+        case Regressor.ANGLE:
+            values = [record.table[:, 0] for record in problem.recordings]
+        case Regressor.POSITION:
+            values = [record.reading[np.isfinite(record.reading)] for record in problem.recordings]
+        case Regressor.VELOCITY:
+            runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.recordings)
             values = [run.state[known, 1] for run, known in runs]
     low, high = np.percentile(np.concatenate(values), [0.5, 99.5])
     return float(low), float(high)

@@ -41,7 +41,7 @@ def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fi
         without = refitted(problem, rest, best)
         if not ledger.decide(Rule.DROP, best, without, (name,)):
             return without
-        main = best.density < problem.settings.absorbed_share * without.density
+        main = best.process_noise < problem.settings.absorbed_share * without.process_noise
         start = _at_values_of(problem, without, best) if main else without
         tried = fit_candidates(problem, start, progress, excluding=name, replacing=main)
         swapped = ledger.decide_round(Rule.SWAP, tried, without, holder=best)
@@ -55,10 +55,12 @@ def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
 
     What stands in for that effect is searched from there: fitted without it, the others have moved to make up for it.
     """
-    density = math.sqrt(without.density * best.density)
-    (start,) = starting_points(problem, without.hypothesis, best.values(), density)
-    at = without.hypothesis.read(start, problem)
-    return replace(without, numbers=start, best=at, density=density, deviance=deviance(problem, at, density))
+    process_noise = math.sqrt(without.process_noise * best.process_noise)
+    (start,) = starting_points(problem, without.hypothesis, best.values(), process_noise)
+    at = without.hypothesis.terms(start, problem)
+    return replace(
+        without, theta=start, terms=at, process_noise=process_noise, deviance=deviance(problem, at, process_noise)
+    )
 
 
 def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:

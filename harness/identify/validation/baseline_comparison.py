@@ -57,7 +57,7 @@ def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = silent)
     """
     errors: dict[str, list[float]] = {name: [] for name in (BEFORE, AFTER, *BASELINES)}
     for split in held:
-        seen, ahead = windows_of(split.problem.records), windows_of(split.left)
+        seen, ahead = windows_of(split.problem.recordings), windows_of(split.left)
         if not seen or not ahead:
             continue
         progress(f"baselines for {', '.join(record.name for record in split.left)}")

@@ -24,8 +24,8 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.estimate.roll_phase import phase_of
 from harness.identify.filter.run import FilterRun
-from harness.identify.problem.problem import Problem, Record
-from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.problem.windows import horizon_spans
 from harness.identify.validation.held_out import HeldOut
 from harness.parallel import meanwhile
@@ -94,17 +94,17 @@ def engines_running(
         yield errors
 
 
-def _key(engine: Engine, fit: Fit, record: Record) -> Hashable:
+def _key(engine: Engine, fit: Fit, record: PreparedRecording) -> Hashable:
     """What makes a run another one. Without effects nothing is fitted: whatever the fit is to, that is the same run."""
-    nothing = not fit.hypothesis.names and fit.hypothesis.shape is None
+    nothing = not fit.hypothesis.names and fit.hypothesis.spline is None
     return engine.name, None if nothing else id(fit), id(record)
 
 
 def entries(fit: Fit) -> dict[str, str]:
     """Where each thing that was found enters the engines' scenes: by effect, in words."""
-    places = {one.effect.name: one.effect.enters for one in fit.best.effects}
-    if fit.best.shape is not None:
-        places["curve"] = "friction on the ball" if fit.best.shape.friction else "force on the ball"
+    places = {one.effect.name: one.effect.enters for one in fit.terms.effects}
+    if fit.terms.spline is not None:
+        places["curve"] = "friction on the ball" if fit.terms.spline.friction else "force on the ball"
     return places
 
 
@@ -118,7 +118,7 @@ def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(problem: Problem, found: Fit, record: Record, engine: Engine) -> Squares | str:
+def _squares(problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> Squares | str:
     """Squared errors [m²] of every window by horizon, or why the engine failed."""
     try:
         return _Scene(problem, found, record, engine).squares()
@@ -129,15 +129,15 @@ def _squares(problem: Problem, found: Fit, record: Record, engine: Engine) -> Sq
 class _Scene:
     """One recording in one engine, with what was found in it."""
 
-    def __init__(self, problem: Problem, found: Fit, record: Record, engine: Engine) -> None:
+    def __init__(self, problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> None:
         self.problem, self.found, self.record = problem, found, record
         phase = phase_of(problem, found, record, record.reading)
-        declared = (*problem.declared, *found.best.effects)
-        gain = problem.sensor(found.best.effects)[0]
+        declared = (*problem.declared, *found.terms.effects)
+        gain = problem.sensor(found.terms.effects)[0]
         self.rig: Rig = rig_with(problem.rig, declared)
         self.origin = record.origin / gain
-        shape = found.best.shape
-        self.law = None if shape is None else _law(shape, phase, problem.rig.gravity)
+        spline = found.terms.spline
+        self.law = None if spline is None else _law(spline, phase, problem.rig.gravity)
         self.effects, self.phase = declared, phase
         self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
         self.sensor = sensor_with(self.effects)
@@ -196,16 +196,16 @@ class _Scene:
         return result
 
 
-def _law(shape: Shape, phase: float, gravity: float) -> Law:
+def _law(spline: SplineTerm, phase: float, gravity: float) -> Law:
     """A curve as it is written into the kernel's vector before every step."""
     without: dict[int, float] = {}
 
     def law(p: FloatArray, time: float) -> None:
-        if shape.depends is not Depends.TIME:
-            shape.write(p, phase)
+        if spline.depends is not Regressor.TIME:
+            spline.write(p, phase)
             return
-        at = float(shape.at(np.array([time]))[0])
-        for slot, value in ((DRY_PLUS, at), (DRY_MINUS, at)) if shape.friction else ((LEVEL, at / gravity),):
+        at = float(spline.at(np.array([time]))[0])
+        for slot, value in ((DRY_PLUS, at), (DRY_MINUS, at)) if spline.friction else ((LEVEL, at / gravity),):
             p[slot] = without.setdefault(slot, float(p[slot])) + value
 
     return law

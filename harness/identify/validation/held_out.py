@@ -11,7 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
 from harness.identify.validation.whiteness import Dependence, joined, on_beam
 from harness.progress import Progress, silent
@@ -34,7 +34,7 @@ class Errors:
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
-def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Progress = silent) -> Errors:
+def errors(problem: Problem, found: Fit, records: Sequence[PreparedRecording], progress: Progress = silent) -> Errors:
     """Prediction errors of `found` over `records`.
 
     "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
@@ -56,7 +56,7 @@ def errors(problem: Problem, found: Fit, records: Sequence[Record], progress: Pr
         ratio = whole.innovation / np.sqrt(whole.innovation_variance)
         z = ratio[record.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
-        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.noise))
+        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.reading_variance))
         beam.append(on_beam(record.time, ratio, record.judged, record.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
@@ -73,11 +73,11 @@ class BeforeAfter:
 def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> BeforeAfter:
     """On the recordings that it was found from."""
     return BeforeAfter(
-        errors(problem, base, problem.records, progress), errors(problem, found, problem.records, progress)
+        errors(problem, base, problem.recordings, progress), errors(problem, found, problem.recordings, progress)
     )
 
 
-def on_another(problem: Problem, base: Fit, found: Fit, record: Record, progress: Progress) -> BeforeAfter:
+def on_another(problem: Problem, base: Fit, found: Fit, record: PreparedRecording, progress: Progress) -> BeforeAfter:
     """On a recording that nothing was fitted to."""
     return BeforeAfter(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
 
@@ -95,7 +95,7 @@ class HeldOut:
     problem: Problem
     base: Fit
     found: Fit
-    left: tuple[Record, ...]
+    left: tuple[PreparedRecording, ...]
 
 
 def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[HeldOut, ...]:
@@ -104,8 +104,8 @@ def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = sile
     for fold in folds(problem):
         progress(f"held out: {fold.title}")
         sub = fold.problem
-        plain = fit(sub, Hypothesis(problem.unknown), density=base.density, known=base.values())
-        again = fit(sub, found.refined, density=found.density, known=found.values())
+        plain = fit(sub, Hypothesis(problem.unknown), process_noise=base.process_noise, known=base.values())
+        again = fit(sub, found.refined, process_noise=found.process_noise, known=found.values())
         made.append(HeldOut(sub, plain, again, fold.left))
     return tuple(made)
 

@@ -18,8 +18,8 @@ from analytic.motion import FloatArray
 from analytic.step import advance
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.run import dynamics
-from harness.identify.problem.hypothesis import NOTHING, Values
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.hypothesis import NOTHING, Terms
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.signals.ball_state import BallEstimate
 
 
@@ -46,7 +46,7 @@ class Trace:
     trusted: NDArray[np.bool_]
 
 
-def trace(problem: Problem, found: Fit, record: Record, ball: BallEstimate) -> Trace:
+def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEstimate) -> Trace:
     """The trace of what `found` adds, in one recording.
 
     Args:
@@ -56,7 +56,7 @@ def trace(problem: Problem, found: Fit, record: Record, ball: BallEstimate) -> T
     bare = replace(problem, declared=(), model=CAM)
     plain = _acceleration(bare, record, ball)
     declared = _acceleration(problem, record, ball)
-    everything = _acceleration(problem, record, ball, found.best)
+    everything = _acceleration(problem, record, ball, found.terms)
     return Trace(
         time=record.time,
         position=ball.position,
@@ -69,7 +69,9 @@ def trace(problem: Problem, found: Fit, record: Record, ball: BallEstimate) -> T
     )
 
 
-def _acceleration(problem: Problem, record: Record, ball: BallEstimate, added: Values = NOTHING) -> FloatArray:
+def _acceleration(
+    problem: Problem, record: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
+) -> FloatArray:
     """What the sensor would see of the ball's acceleration when it follows the measured path, shape (n,) [m/s²]."""
     p, table = dynamics(problem, record, added, added.phase_of(record.name))
     gain, lag = problem.sensor(added.effects)

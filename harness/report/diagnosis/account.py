@@ -8,7 +8,7 @@ from functools import cached_property
 from harness.comparison.setting import ball_of
 from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
-from harness.identify.problem.problem import Record
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.record import DiagnosisRecord
 from harness.identify.validation.residual_acceleration import Trace, trace
 from harness.recording import Case
@@ -56,7 +56,7 @@ class Account:
     @property
     def subtitle(self) -> str:
         """Recordings, readings, origin."""
-        records = self.diagnosis.problem.records
+        records = self.diagnosis.problem.recordings
         spans = ", ".join(f"{one.name} ({brief(float(one.time[-1] - one.time[0]))} s)" for one in records)
         parts = [spans, f"{self.diagnosis.problem.readings} positions"]
         return "; ".join([*parts, f"origin: {self.case.origin}"] if self.case.origin else parts)
@@ -64,20 +64,20 @@ class Account:
     @property
     def changed(self) -> bool:
         """Whether anything was found that acts."""
-        return bool(self.diagnosis.effects) or self.diagnosis.found.hypothesis.shape is not None
+        return bool(self.diagnosis.effects) or self.diagnosis.found.hypothesis.spline is not None
 
     @property
-    def shown(self) -> Record:
+    def shown(self) -> PreparedRecording:
         """The recording shown in figures: the first."""
-        return self.diagnosis.problem.records[0]
+        return self.diagnosis.problem.recordings[0]
 
     @cached_property
     def traces(self) -> tuple[Trace, ...]:
         """The residual acceleration of each recording."""
         problem, found = self.diagnosis.problem, self.diagnosis.found
-        return tuple(trace(problem, found, one, self.ball(one)) for one in problem.records)
+        return tuple(trace(problem, found, one, self.ball(one)) for one in problem.recordings)
 
-    def ball(self, record: Record) -> BallEstimate:
+    def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
         return ball_of(self.case, self.case.recordings[record.name], record.drive, self.diagnosis.problem.rig)
 

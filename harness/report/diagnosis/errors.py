@@ -29,7 +29,7 @@ Engines = Mapping[str, Mapping[str, Any]]
 def section(account: Account) -> Section:
     """The section."""
     diagnosis = account.diagnosis
-    several = len(diagnosis.problem.records) > 1
+    several = len(diagnosis.problem.recordings) > 1
     held = {name: one["heldout"] for name, one in diagnosis.engines.items() if "heldout" in one}
     tables = [
         _table(account, "Held out", diagnosis.heldout, held),
@@ -127,7 +127,7 @@ def _picture(account: Account) -> Picture:
         for label, rms, colour, dash, marker in lines:
             values = [1e3 * rms.get(name, np.nan) for name in names]
             axes.plot(places, values, dash, color=colour, marker=marker, markersize=5, linewidth=1.6, label=label)
-        noise = 1e3 * float(np.sqrt(account.diagnosis.problem.noise))
+        noise = 1e3 * float(np.sqrt(account.diagnosis.problem.reading_variance))
         axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="reading noise")
         plain_log(axes, "y")
         axes.set_xticks(places, ["rest" if name == "whole" else name for name in names])

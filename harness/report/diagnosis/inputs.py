@@ -28,7 +28,7 @@ def section(account: Account) -> Section:
         "recordings": _recordings(account),
         "rig": _rig(account),
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
-        "noise": length(math.sqrt(account.diagnosis.problem.noise), 2),
+        "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
         "findings": account.case.findings,
         "versions": account.record.inputs.versions,
         "command": account.command,
@@ -39,7 +39,7 @@ def section(account: Account) -> Section:
 def _recordings(account: Account) -> Table:
     columns = [Column("recording", text=True), Column("length", "s"), Column("positions"), Column("SHA-256", text=True)]
     rows = []
-    for one in account.diagnosis.problem.records:
+    for one in account.diagnosis.problem.recordings:
         source = account.case.recordings[one.name]
         rows.append(
             Row(

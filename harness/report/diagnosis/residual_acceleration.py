@@ -60,7 +60,7 @@ def _over_time(account: Account) -> Picture:
     with style():
         figure = Figure(figsize=(WIDTH, 1.0 + 1.9 * len(account.traces)), layout="constrained")
         grid = figure.subplots(len(account.traces), 1, squeeze=False)[:, 0]
-        for axes, one, record in zip(grid, account.traces, account.diagnosis.problem.records, strict=True):
+        for axes, one, record in zip(grid, account.traces, account.diagnosis.problem.recordings, strict=True):
             thin = slice(None, None, thinning(len(one.time)))
             band(axes, one.time, one.residual - 2.0 * one.deviation, one.residual + 2.0 * one.deviation)
             line(axes, one.time[thin], one.residual[thin], LEFT)

@@ -19,7 +19,7 @@ def section(account: Account) -> Section | None:
     if not account.changed:
         return None
     tables = [_of_effect(account, one) for one in account.diagnosis.effects]
-    if account.diagnosis.found.best.shape is not None:
+    if account.diagnosis.found.terms.spline is not None:
         tables += _of_spline(account)
     context = {
         "tables": [table for table in tables if table.rows],
@@ -35,7 +35,7 @@ def _of_effect(account: Account, effect: IdentifiedEffect) -> Table:
     others = {
         one.title: one
         for one in account.diagnosis.ledger
-        if one.title not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.shape is None
+        if one.title not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.spline is None
     }
     beside = f" beside {', '.join(f'`{name}`' for name in sorted(rest))}" if rest else ""
     return _table(account, f"In place of `{effect.name}`{beside}", list(others.values()))
@@ -46,7 +46,7 @@ def _of_spline(account: Account) -> list[Table]:
     ledger = account.diagnosis.ledger
     splines = [one for one in ledger if one.rule is Rule.SPLINE]
     before = {one.beside for one in splines}
-    effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.shape is None]
+    effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.spline is None]
     beside = ", ".join(f"`{name}`" for name in sorted({name for one in before for name in one}))
     ending = f", in addition to {beside}" if beside else ""
     return [
@@ -58,7 +58,7 @@ def _of_spline(account: Account) -> list[Table]:
 def _table(account: Account, caption: str, others: list[Line]) -> Table:
     """How far the others are behind by the criterion: the BIC beside a spline term, else the quasi-BIC."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
-    name = "quasi-BIC" if found.hypothesis.shape is None else "BIC"
+    name = "quasi-BIC" if found.hypothesis.spline is None else "BIC"
 
     def behind(one: Line) -> float:
         return criterion.gain(found, one.fit)
@@ -72,5 +72,5 @@ def _table(account: Account, caption: str, others: list[Line]) -> Table:
     rows = []
     for one in sorted((one for one in others if behind(one) < _MAX_DIFFERENCE), key=behind)[:_MAX_ROWS]:
         told = "yes" if behind(one) >= criterion.settings.rival else "no"
-        rows.append(Row((f"`{one.title}`", str(len(one.fit.numbers)), fixed(behind(one), 1), told)))
+        rows.append(Row((f"`{one.title}`", str(len(one.fit.theta)), fixed(behind(one), 1), told)))
     return Table(caption, columns, rows)

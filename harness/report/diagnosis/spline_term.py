@@ -11,8 +11,8 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.formatting import number
 from harness.identify.estimate.fit import TWO_SIDED
-from harness.identify.problem.problem import Record
-from harness.identify.problem.spline_term import Depends, Shape
+from harness.identify.problem.problem import PreparedRecording
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.validation.residual_acceleration import Trace, trace
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.diagnosis.residual_acceleration import LEFT
@@ -26,43 +26,43 @@ _MAX_DOTS = 2000  # in the scatter plot
 _PLOT_POINTS = 400  # of the curve
 _MIN_ROLLING_SPEED = 0.03  # above which the sign of the velocity is certain [m/s]
 _ABSCISSA = {  # name, unit, factor to it
-    Depends.POSITION: ("position $s$", "m", 1.0),
-    Depends.VELOCITY: (r"velocity $\dot s$", "m/s", 1.0),
-    Depends.ANGLE: (r"beam angle $\alpha$", "deg", float(np.degrees(1.0))),
-    Depends.ROLL_ANGLE: (r"rolled angle $\varphi$", "deg", float(np.degrees(1.0))),
-    Depends.TIME: ("time", "s", 1.0),
+    Regressor.POSITION: ("position $s$", "m", 1.0),
+    Regressor.VELOCITY: (r"velocity $\dot s$", "m/s", 1.0),
+    Regressor.ANGLE: (r"beam angle $\alpha$", "deg", float(np.degrees(1.0))),
+    Regressor.ROLL_ANGLE: (r"rolled angle $\varphi$", "deg", float(np.degrees(1.0))),
+    Regressor.TIME: ("time", "s", 1.0),
 }
 
 
 def section(account: Account) -> Section | None:
     """The section; `None` without a spline term."""
-    shape = account.diagnosis.found.best.shape
-    if shape is None:
+    spline = account.diagnosis.found.terms.spline
+    if spline is None:
         return None
     inflation = account.diagnosis.problem.settings.inflation
-    reach = TWO_SIDED * inflation * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(shape.nodes) :])
-    factor = 1.0 if shape.friction else 1e3 * account.diagnosis.problem.rig.mass
+    reach = TWO_SIDED * inflation * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(spline.nodes) :])
+    factor = 1.0 if spline.friction else 1e3 * account.diagnosis.problem.rig.mass
     first, *others = account.diagnosis.depends_on
     context = {
-        "friction": shape.friction,
+        "friction": spline.friction,
         "depends": DEPENDENCES[first],
-        "turning": shape.turning,
+        "turning": spline.turning,
         "others": [DEPENDENCES[one] for one in others],
-        "picture": _picture(account, shape, factor, reach),
-        "table": _table(shape, factor, reach),
+        "picture": _picture(account, spline, factor, reach),
+        "table": _table(spline, factor, reach),
     }
     return Section("spline", "The law that no catalogue lists", "Spline term", "diagnosis/spline_term.html", context)
 
 
-def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -> Picture:
-    name, unit, scale = _ABSCISSA[shape.depends]
-    where, left = _left(account, shape)
+def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatArray) -> Picture:
+    name, unit, scale = _ABSCISSA[spline.depends]
+    where, left = _left(account, spline)
     with style():
         figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
         axes = figure.add_subplot()
-        first, last = shape.places[0], shape.places[-1] + (shape.step if shape.turning else 0.0)
+        first, last = spline.places[0], spline.places[-1] + (spline.step if spline.turning else 0.0)
         along = np.linspace(first, last, _PLOT_POINTS)
-        y = factor * shape.at(along)
+        y = factor * spline.at(along)
         thin = slice(None, None, max(1, len(where) // _MAX_DOTS))
         axes.plot(
             scale * where[thin],
@@ -77,39 +77,43 @@ def _picture(account: Account, shape: Shape, factor: float, reach: FloatArray) -
         inside = (where >= first) & (where <= last)
         centre, mean, error = binned(scale * where[inside], factor * left[inside])
         axes.errorbar(centre, mean, yerr=error, color=INK, marker="o", markersize=3.5, linewidth=1.0, zorder=4)
-        width = factor * np.interp(along, shape.places, reach, period=last - first if shape.turning else None)
+        width = factor * np.interp(along, spline.places, reach, period=last - first if spline.turning else None)
         band(axes, scale * along, y - width, y + width)
         axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
-        axes.plot(scale * shape.places, factor * shape.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
+        axes.plot(scale * spline.places, factor * spline.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
         axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
         low, high = np.percentile(factor * left[inside], (2.0, 98.0))
         frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
         axes.set_xlim(scale * first, scale * last)
         axes.set_xlabel(f"{name} [{unit}]")
-        axes.set_ylabel("added to the coefficient\nof dry friction [1]" if shape.friction else "force on the ball [mN]")
+        axes.set_ylabel(
+            "added to the coefficient\nof dry friction [1]" if spline.friction else "force on the ball [mN]"
+        )
         looks = (LEFT, replace(FOUND, label="spline term"))
         figure.legend(handles=[sample(look, look.label) for look in looks], loc="outside upper left", ncols=2)
-        alt = f"The unlisted {'friction' if shape.friction else 'force'} as a function of {DEPENDENCES[shape.depends]}."
+        alt = (
+            f"The unlisted {'friction' if spline.friction else 'force'} as a function of {DEPENDENCES[spline.depends]}."
+        )
         caption = (
-            f"Estimated spline term with {len(shape.nodes)} nodes over the range of the recordings, with 95 % "
+            f"Estimated spline term with {len(spline.nodes)} nodes over the range of the recordings, with 95 % "
             "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
             "alone; black: its bin means with their standard errors."
-            f"{' A negative total friction is set to zero.' if shape.friction else ''}"
+            f"{' A negative total friction is set to zero.' if spline.friction else ''}"
         )
         return picture(figure, alt, caption)
 
 
-def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
+def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
     """Residual of the model with the listed effects in the unit of the nodes, and its abscissa, at trusted readings."""
     diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
-    listed = replace(diagnosis.found, best=replace(diagnosis.found.best, shape=None))
+    listed = replace(diagnosis.found, terms=replace(diagnosis.found.terms, spline=None))
     wheres, lefts = [], []
-    each = zip(diagnosis.problem.records, account.traces, diagnosis.found.best.phases, strict=True)
+    each = zip(diagnosis.problem.recordings, account.traces, diagnosis.found.terms.phases, strict=True)
     for record, seen, phase in each:
         explained = trace(diagnosis.problem, listed, record, account.ball(record)).law
-        where = _along(shape, record, seen, diagnosis.problem.rig, float(phase))
+        where = _along(spline, record, seen, diagnosis.problem.rig, float(phase))
         left, use = (seen.residual - explained) / k, seen.trusted
-        if shape.friction:
+        if spline.friction:
             normal = _normal(record, seen, diagnosis.problem.rig)
             use = use & (np.abs(seen.velocity) > _MIN_ROLLING_SPEED) & (normal > 0.0)
             left = -np.sign(seen.velocity) * left / np.where(normal > 0.0, normal, 1.0)
@@ -118,22 +122,22 @@ def _left(account: Account, shape: Shape) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(wheres), np.concatenate(lefts)
 
 
-def _along(shape: Shape, record: Record, seen: Trace, rig: Rig, phase: float) -> FloatArray:
+def _along(spline: SplineTerm, record: PreparedRecording, seen: Trace, rig: Rig, phase: float) -> FloatArray:
     """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
-    match shape.depends:
-        case Depends.POSITION:
+    match spline.depends:
+        case Regressor.POSITION:
             return seen.position
-        case Depends.VELOCITY:
+        case Regressor.VELOCITY:
             return seen.velocity
-        case Depends.ANGLE:
+        case Regressor.ANGLE:
             return seen.angle
-        case Depends.ROLL_ANGLE:
+        case Regressor.ROLL_ANGLE:
             return ((seen.position - record.origin) / rig.rolling_radius + phase) % (2.0 * np.pi)
-        case Depends.TIME:
+        case Regressor.TIME:
             return seen.time
 
 
-def _normal(record: Record, seen: Trace, rig: Rig) -> FloatArray:
+def _normal(record: PreparedRecording, seen: Trace, rig: Rig) -> FloatArray:
     """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
     angle, rate, angular = record.drive.states.T
     arm = rig.eccentricity + rig.rolling_radius
@@ -141,15 +145,15 @@ def _normal(record: Record, seen: Trace, rig: Rig) -> FloatArray:
     return np.asarray(rig.gravity * np.cos(angle) - turning)
 
 
-def _table(shape: Shape, factor: float, reach: FloatArray) -> Table:
-    _, unit, scale = _ABSCISSA[shape.depends]
+def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
+    _, unit, scale = _ABSCISSA[spline.depends]
     columns = [
-        Column(str(shape.depends).replace("_", " "), unit),
-        Column("coefficient" if shape.friction else "force", "1" if shape.friction else "mN"),
-        Column("± 95 %", "1" if shape.friction else "mN"),
+        Column(str(spline.depends).replace("_", " "), unit),
+        Column("coefficient" if spline.friction else "force", "1" if spline.friction else "mN"),
+        Column("± 95 %", "1" if spline.friction else "mN"),
     ]
     rows = [
         Row((number(scale * at), number(factor * value), number(factor * half, 2)))
-        for at, value, half in zip(shape.places, shape.nodes, reach, strict=True)
+        for at, value, half in zip(spline.places, spline.nodes, reach, strict=True)
     ]
     return Table("Nodes of the spline term", columns, rows)

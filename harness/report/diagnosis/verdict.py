@@ -35,7 +35,7 @@ def section(account: Account) -> Section:
         "glance": _glance(account),
         "found": _found(account) if account.diagnosis.effects else None,
         # Beside a curve nothing was tried again, and without it the process noise hides what is small.
-        "unseen": () if account.diagnosis.found.best.shape is not None else account.diagnosis.unseen,
+        "unseen": () if account.diagnosis.found.terms.spline is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
         "picture": _picture(account),
     }
@@ -59,12 +59,12 @@ def _glance(account: Account) -> list[tuple[str, str, str]]:
 def _nearest(account: Account) -> str:
     """The effect that comes closest to what was found with as many others beside it, or the other spline term."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
-    spline = found.hypothesis.shape is not None
+    spline = found.hypothesis.spline is not None
 
     def other(one: Line) -> bool:
         """Not the same spline term with more nodes, or with an effect that it contains."""
         theirs = one.fit.hypothesis
-        if one.kept or (theirs.shape is not None) != spline or one.rule in (Rule.REFINE, Rule.ABSORB):
+        if one.kept or (theirs.spline is not None) != spline or one.rule in (Rule.REFINE, Rule.ABSORB):
             return False
         return spline or (len(theirs.names) == len(found.hypothesis.names) and theirs != found.hypothesis)
 
@@ -142,7 +142,7 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
         top.set_ylabel("position $s$ [m]")
         errors = [(1e3 * (one.position - reading), look) for one, look in runs]
         # The difference contains the noise of the reading.
-        reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.noise)
+        reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.reading_variance)
         thin = slice(None, None, thinning(len(time)))
         band(bottom, time, -reach, reach)
         for error, look in errors:

@@ -65,9 +65,9 @@ def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: 
     before = rig.rival.deviance - rig.found.deviance
     reached = []
     for seed in SEEDS:
-        alone = replace(rig.problem, records=(rig.recorded(run, seed),))
+        alone = replace(rig.problem, recordings=(rig.recorded(run, seed),))
         again = partial(fit, alone)
-        found, rival = (again(each.hypothesis, density=each.density) for each in (rig.found, rig.rival))
+        found, rival = (again(each.hypothesis, process_noise=each.process_noise) for each in (rig.found, rig.rival))
         reached.append(math.sqrt(max(before + rival.deviance - found.deviance, 0.0)) / DEFAULT.inflation)
     assert abs(float(np.mean(reached)) - one.expected) < 1.0, reached
 
@@ -75,19 +75,21 @@ def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: 
 def test_recordings_diagnosed_together_bring_at_least_that(radius: Short, proposal: Proposal) -> None:
     """Separate by no less than expected, but for one σ, when the new recording joins the one at hand."""
     new = radius.recorded(radius.played(proposal), SEEDS[0])
-    joint = replace(radius.problem, records=(*radius.problem.records, new))
-    found, rival = (fit(joint, each.hypothesis, density=each.density) for each in (radius.found, radius.rival))
+    joint = replace(radius.problem, recordings=(*radius.problem.recordings, new))
+    found, rival = (
+        fit(joint, each.hypothesis, process_noise=each.process_noise) for each in (radius.found, radius.rival)
+    )
     assert math.sqrt(rival.deviance - found.deviance) / DEFAULT.inflation > proposal.smallest.expected - 1.0
 
 
 def test_profiles_keep_the_limits(radius: Short) -> None:
     """Ask of the beam and of the ball no more than the recordings show, and a fifth; nearly every profile fits that."""
     room = room_of(radius.problem)
-    states = np.abs(np.concatenate([one.drive.states for one in radius.problem.records]))
+    states = np.abs(np.concatenate([one.drive.states for one in radius.problem.recordings]))
     assert room.angle <= 1.2 * states[:, 0].max()
     assert room.rate <= 1.2 * states[:, 1].max()
     assert room.acceleration <= 1.2 * states[:, 2].max()
-    made = [rehearse(radius.problem, radius.found.best, radius.found.density, one, room) for one in LIBRARY]
+    made = [rehearse(radius.problem, radius.found.terms, radius.found.process_noise, one, room) for one in LIBRARY]
     feasible = [one for one in made if one is not None]
     assert len(feasible) >= 0.8 * len(LIBRARY)
     for one in feasible:
@@ -107,7 +109,7 @@ def test_the_ball_stays_on_the_beam_of_the_independent_rig(radius: Short, propos
 
 def test_a_known_beam_is_used_to_its_ends(radius: Short) -> None:
     """Let the ball go up to 5 cm from either end of a beam of known length, and no further than before otherwise."""
-    ball = radius.problem.records[0].reading
+    ball = radius.problem.recordings[0].reading
     known, unknown = room_of(radius.problem, 0.6), room_of(radius.problem)
     assert (known.low, known.high) == pytest.approx((0.05, 0.55))
     assert np.nanmin(ball) <= unknown.low < unknown.high <= np.nanmax(ball)
@@ -143,7 +145,7 @@ def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
     assert (lag.told, level.told, slip.told) == (True, True, False)  # no beam tilts far enough for a ball to slip
     lagging = replace(rig.experiment, hidden={"position_lag": {"time_constant": 0.03}})
     new = replace(rig, experiment=lagging)
-    alone = replace(rig.problem, records=(new.recorded(new.played(proposed), SEEDS[0]),))
+    alone = replace(rig.problem, recordings=(new.recorded(new.played(proposed), SEEDS[0]),))
     without, with_it = fit(alone, Hypothesis(())), fit(alone, Hypothesis(("position_lag",)))
     reached = math.sqrt(without.deviance - with_it.deviance) / DEFAULT.inflation
     assert reached == pytest.approx(lag.expected, abs=1.0)  # as above
@@ -152,9 +154,9 @@ def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
 
 def test_a_rig_that_has_shown_nothing_is_asked_nothing(radius: Short) -> None:
     """Propose nothing where ball and beam stood still: nobody knows what they can do."""
-    (one,) = radius.problem.records
+    (one,) = radius.problem.recordings
     still = replace(one, reading=np.where(np.isfinite(one.reading), 0.3, np.nan))
-    assert separate(replace(radius.problem, records=(still,)), radius.found, [radius.pair]) is None
+    assert separate(replace(radius.problem, recordings=(still,)), radius.found, [radius.pair]) is None
 
 
 def test_nothing_is_proposed_where_nothing_would_be_seen(radius: Short) -> None:
@@ -193,7 +195,7 @@ def test_rivals_are_those_that_are_not_told_apart(radius: Short) -> None:
 
 def test_a_law_that_holds_what_was_found_is_no_rival(radius: Short) -> None:
     """Ask for nothing that tells a law from itself with a number more, for no recording does."""
-    wider = replace(radius.rival, numbers=np.zeros(2), deviance=radius.found.deviance)
+    wider = replace(radius.rival, theta=np.zeros(2), deviance=radius.found.deviance)
     entries = [tried(GAIN, wider, radius.found)]
     assert pairs_of(radius.found, entries, {RADIUS: ()}, Criterion()) == []
 

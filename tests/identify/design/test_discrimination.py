@@ -34,19 +34,19 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     frictionless = replace(radius.problem, declared=())
     room = room_of(frictionless)
     (profile,) = (one for one in LIBRARY if one.name == "quick ramps")
-    made = rehearse(frictionless, radius.found.best, radius.found.density, profile, room)
+    made = rehearse(frictionless, radius.found.terms, radius.found.process_noise, profile, room)
     assert made is not None
-    noises = Noises.of(room.interval, frictionless.noise, 1e-6)
-    best = radius.rival.best
+    noises = Noises.of(room.interval, frictionless.reading_variance, 1e-6)
+    best = radius.rival.terms
     gain, _ = frictionless.sensor(best.effects)
 
-    def innovations(density: float) -> FloatArray:
-        found = run_filter(frictionless, made.record, best, density / gain**2, phase=0.0, reading=made.reading)
+    def innovations(process_noise: float) -> FloatArray:
+        found = run_filter(frictionless, made.record, best, process_noise / gain**2, phase=0.0, reading=made.reading)
         return found.innovation[1:]
 
     later = slice(round(2.0 / room.interval), None)
     for number in (1, 3):
-        direct = innovations(float(noises.density[number]))
+        direct = innovations(float(noises.process_noise[number]))
         by_filter = noises.filtered(innovations(1e-4)[:, None])[number, :, 0]
         difference = np.sqrt(np.mean((direct - by_filter)[later] ** 2) / np.mean(direct[later] ** 2))
         assert difference < 1e-3, number
@@ -57,21 +57,21 @@ def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
     problem, true = radius.problem, 1e-8
     room = room_of(problem)
     (profile,) = (one for one in LIBRARY if one.name == "slow swing")
-    values = replace(radius.found.best, effects=())
+    values = replace(radius.found.terms, effects=())
     frictionless = replace(problem, declared=())
     made = rehearse(frictionless, values, true, profile, room)
     assert made is not None
-    noises = Noises.of(room.interval, problem.noise, true)
+    noises = Noises.of(room.interval, problem.reading_variance, true)
     generator = np.random.default_rng(0)
     number, costs = 4, []
     for _ in range(40):
         kicks = math.sqrt(true * room.interval) * generator.standard_normal(len(made.reading))
         path = np.cumsum(np.cumsum(kicks)) * room.interval
-        noisy = made.reading + path + math.sqrt(problem.noise) * generator.standard_normal(len(path))
+        noisy = made.reading + path + math.sqrt(problem.reading_variance) * generator.standard_normal(len(path))
         noisy[0] = made.reading[0]
         deviances = []
-        for density in (float(noises.density[0]), float(noises.density[number])):
-            out = run_filter(frictionless, made.record, NOTHING, density, reading=noisy)
+        for process_noise in (float(noises.process_noise[0]), float(noises.process_noise[number])):
+            out = run_filter(frictionless, made.record, NOTHING, process_noise, reading=noisy)
             later = slice(round(4.0 / room.interval), None)  # steady by then
             deviances.append(negative_two_log_likelihood(out.innovation[later], out.innovation_variance[later]))
         costs.append((deviances[1] - deviances[0]) / len(made.record.time[later]))
@@ -83,8 +83,8 @@ def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
 def test_a_model_is_not_apart_from_itself(radius: Short) -> None:
     """Regain nothing where the rival is what the recording was made with."""
     room = room_of(radius.problem)
-    made = rehearse(radius.problem, radius.found.best, radius.found.density, LIBRARY[0], room)
+    made = rehearse(radius.problem, radius.found.terms, radius.found.process_noise, LIBRARY[0], room)
     assert made is not None
-    noises = Noises.of(room.interval, radius.problem.noise, radius.found.density)
+    noises = Noises.of(room.interval, radius.problem.reading_variance, radius.found.process_noise)
     assert regained(radius.problem, made, radius.found, noises) == pytest.approx(0.0, abs=1e-6)
     assert drift(radius.problem, radius.found, made) > 0.0

@@ -45,12 +45,12 @@ def backlash(folder: Path) -> tuple[Problem, Fit]:
     hypothesis = Hypothesis(("linkage_backlash",))
     found = fit(problem, hypothesis)
 
-    def deviance(numbers: FloatArray) -> float:
-        at = hypothesis.read(numbers, problem)
-        return filter_run.deviance(problem, at, found.density)
+    def deviance(theta: FloatArray) -> float:
+        at = hypothesis.terms(theta, problem)
+        return filter_run.deviance(problem, at, found.process_noise)
 
-    around = [found.numbers + shift for shift in np.arange(-0.04, 0.04, 1e-3)]
-    return problem, fit(problem, hypothesis, density=found.density, starts=[min(around, key=deviance)])
+    around = [found.theta + shift for shift in np.arange(-0.04, 0.04, 1e-3)]
+    return problem, fit(problem, hypothesis, process_noise=found.process_noise, starts=[min(around, key=deviance)])
 
 
 @pytest.mark.slow
@@ -64,9 +64,9 @@ def test_a_law_with_corners_is_known_as_its_deviance_says(tmp_path: Path) -> Non
         reach = TWO_SIDED * DEFAULT.inflation
         rises = []
         for end in (-reach, reach):
-            numbers = found.numbers + end * one.deviations()[key] / found.hypothesis.scale(problem)
-            at = found.hypothesis.read(numbers, problem)
-            rises.append((filter_run.deviance(problem, at, found.density) - found.deviance) / reach**2)
+            theta = found.theta + end * one.deviations()[key] / found.hypothesis.scale(problem)
+            at = found.hypothesis.terms(theta, problem)
+            rises.append((filter_run.deviance(problem, at, found.process_noise) - found.deviance) / reach**2)
         return rises
 
     # Steps in the deviance leave a factor of two; slopes at one place put the lower end where little has risen.

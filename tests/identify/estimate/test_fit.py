@@ -47,14 +47,14 @@ def test_a_fit_leaves_the_bound_at_which_it_begins(tmp_path: Path) -> None:
     hypothesis = Hypothesis(("position_lag",))
     posed = pose(tmp_path / "case", 9, {"position_lag": {"time_constant": 0.04}})
     problem = posed.problem
-    found = fit(problem, hypothesis, density=1e-8, starts=[np.zeros(1)])
+    found = fit(problem, hypothesis, process_noise=1e-8, starts=[np.zeros(1)])
     key = ("position_lag", "time_constant")
     deviation = found.deviations()[key]
     assert abs(found.values()[key] - 0.04) < 3.29 * DEFAULT.inflation * deviation
     # Cramér–Rao: a lag T reads s − T ṡ, and n readings of variance R tell T to √(R/n)/rms(ṡ), were the path known; the
     # filter, which follows the path by the same readings over its memory of 0.3 s, loses less than half of that.
     speed = np.sqrt(np.mean(np.concatenate([one.velocity for one in posed.truth]) ** 2))
-    bound = np.sqrt(problem.noise / problem.readings) / speed
+    bound = np.sqrt(problem.reading_variance / problem.readings) / speed
     assert bound < deviation < 1.5 * bound
 
 
@@ -67,8 +67,8 @@ def test_deviations_are_the_curvature_of_the_deviance(plain: Posed, name: str) -
     (deviation,) = found.deviations().values()
 
     def deviance(shift: float) -> float:
-        at = hypothesis.read(found.numbers + shift / scale, plain.problem)
-        return filter_run.deviance(plain.problem, at, found.density)
+        at = hypothesis.terms(found.theta + shift / scale, plain.problem)
+        return filter_run.deviance(plain.problem, at, found.process_noise)
 
     # To second order the deviance rises by (shift/σ)² from its lowest
     # point. The fit stands within 0.05 of that, which is 0.22 σ; 3 σ away that adds at most
@@ -81,15 +81,15 @@ def test_the_process_noise_to_begin_with_does_not_decide(tmp_path: Path) -> None
     """Reach the same end from no effect whether the first guess of the process noise is small or large."""
     problem = pose(tmp_path / "case", 8, {"level_error": {"angle": -0.005}}).problem
     hypothesis, key = Hypothesis(("level_error",)), ("level_error", "angle")
-    found = [fit(problem, hypothesis, density=density) for density in (1e-7, 1e-5)]
+    found = [fit(problem, hypothesis, process_noise=process_noise) for process_noise in (1e-7, 1e-5)]
     # The fit stands when the deviance does to 0.05, hence each end lies within √0.05 = 0.22 σ of the best.
     apart = np.ptp([one.values()[key] for one in found])
     deviation = found[0].deviations()[key]
     assert apart < 2.0 * 0.22 * deviation
     # Cramér–Rao: white noise of density q on ṡ leaves a constant acceleration K g α unknown to √(q/T) after T seconds.
     # A ball that rests, up to 30 % of the time, says nothing of it, √(1/0.7) = 1.2; as little is lost to the readings.
-    duration = sum(one.time[-1] - one.time[0] for one in problem.records)
-    bound = np.sqrt(found[0].density / duration) / (problem.rig.rolling_ratio * problem.rig.gravity)
+    duration = sum(one.time[-1] - one.time[0] for one in problem.recordings)
+    bound = np.sqrt(found[0].process_noise / duration) / (problem.rig.rolling_ratio * problem.rig.gravity)
     assert bound < deviation < 1.3 * bound
 
 
@@ -98,14 +98,14 @@ def test_a_screening_fit_sees_what_a_fit_sees(tmp_path: Path) -> None:
     problem = pose(tmp_path / "case", 9, {"viscous_damping": {"coefficient": 0.02}}).problem
     base = fit(problem, Hypothesis(()))
     hypothesis = Hypothesis(("viscous_damping",))
-    (screened,) = screen(problem, hypothesis, base.density, {}, without=base.deviance)
-    full = fit(problem, hypothesis, density=base.density)
+    (screened,) = screen(problem, hypothesis, base.process_noise, {}, without=base.deviance)
+    full = fit(problem, hypothesis, process_noise=base.process_noise)
     # log n is the price of one parameter: a screening fit that gains ten times that cannot be passed over.
     assert base.deviance - full.deviance > 11.0 * np.log(problem.readings)
     assert base.deviance - screened.predicted > 10.0 * np.log(problem.readings)
     # One Gauss–Newton step over all of a smooth law leaves its second order: a tenth is ample, for drag takes a few
     # percent of the speed.
-    assert screened.numbers == pytest.approx(full.numbers, rel=0.1)
+    assert screened.theta == pytest.approx(full.theta, rel=0.1)
 
 
 def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_path: Path) -> None:
@@ -113,6 +113,6 @@ def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_pa
     problem = pose(tmp_path / "case", 10, {}).problem
     base = fit(problem, Hypothesis(()))
     hypothesis = Hypothesis(("viscous_damping",))
-    (screened,) = screen(problem, hypothesis, base.density, {}, without=base.deviance)
+    (screened,) = screen(problem, hypothesis, base.process_noise, {}, without=base.deviance)
     # What a true zero gains is chi-squared with one degree of freedom times the inflation's square: 6.6 of it in 99 %.
     assert abs(base.deviance - screened.deviance) < 6.6 * DEFAULT.overdispersion

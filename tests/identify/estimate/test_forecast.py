@@ -46,7 +46,7 @@ def test_windows_tile_what_is_predicted() -> None:
 
 def test_a_covariance_rounded_below_zero_widens_nothing(plain: Posed) -> None:
     """Give the band of certain values where a variance of a badly determined fit came out just below zero."""
-    problem, record = plain.problem, plain.problem.records[0]
+    problem, record = plain.problem, plain.problem.recordings[0]
     found = fit(problem, Hypothesis(("level_error",)))
     certain, below = (
         forecast(problem, replace(found, covariance=np.array([[variance]])), record, record.reading)
@@ -57,10 +57,10 @@ def test_a_covariance_rounded_below_zero_widens_nothing(plain: Posed) -> None:
 
 def test_a_single_recording_is_split_where_half_is_known(plain: Posed) -> None:
     """Leave half of the positions in either part, also where none is known after the first seconds."""
-    (one, *_) = plain.problem.records
+    (one, *_) = plain.problem.recordings
     blank = replace(one, reading=np.where(one.time < one.time[0] + 3.0, one.reading, np.nan))
-    fold, _ = folds(replace(plain.problem, records=(blank,)))
-    (first,), (second,) = fold.problem.records, fold.left
+    fold, _ = folds(replace(plain.problem, recordings=(blank,)))
+    (first,), (second,) = fold.problem.recordings, fold.left
     known = [int(np.isfinite(each.reading).sum()) for each in (first, second)]
     assert 0 <= known[1] - known[0] <= 1
     np.testing.assert_array_equal(np.concatenate((first.time, second.time)), one.time)

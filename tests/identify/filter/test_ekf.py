@@ -24,7 +24,7 @@ from harness.identify.filter.ekf import (
     penalty,
 )
 from harness.identify.filter.run import dynamics, run_filter
-from harness.identify.problem.hypothesis import Hypothesis, Values
+from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
@@ -35,11 +35,11 @@ from tests.posed import Posed, pose
 
 def run(posed: Posed, effects: dict[str, dict[str, float]], general: bool, gain: float = 1.0) -> FilterOutput:
     """The first recording through one form of the filter, with a gap of 1 s and a reading that is 20 mm off."""
-    problem, record = posed.problem, posed.problem.records[0]
+    problem, record = posed.problem, posed.problem.recordings[0]
     p, table = dynamics(
         problem,
         record,
-        Values((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None),
+        Terms((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None),
         0.0,
     )
     reading = record.reading.copy()
@@ -49,7 +49,7 @@ def run(posed: Posed, effects: dict[str, dict[str, float]], general: bool, gain:
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     form = _any_state if general else _two_states
-    form(Readings(record.time, reading), beam, p, Sensor(gain, 0.0, problem.noise), 1e-7, out)
+    form(Readings(record.time, reading), beam, p, Sensor(gain, 0.0, problem.reading_variance), 1e-7, out)
     return out
 
 
@@ -75,7 +75,7 @@ def test_the_fast_filter_equals_its_general_twin(
 @pytest.mark.parametrize("general", [False, True])
 def test_a_spike_takes_off_the_covariance_what_it_weighs(plain: Posed, general: bool) -> None:
     """Leave P − w P Hᵀ H P/S of a position's variance, where w is the share at which an innovation counts."""
-    gain, R = 0.95, plain.problem.noise
+    gain, R = 0.95, plain.problem.reading_variance
     out = run(plain, {}, general, gain)
     use = out.innovation_variance != 1.0
     e, S, after = out.innovation[use], out.innovation_variance[use], out.position_variance[use]
@@ -101,9 +101,9 @@ def test_a_spike_takes_off_the_covariance_what_it_weighs(plain: Posed, general: 
 )
 def test_no_variance_is_ever_negative(plain: Posed, effects: dict[str, dict[str, float]]) -> None:
     """Keep variances positive whatever the noise, over spikes, gaps and a ball that stops or slides."""
-    problem, record = plain.problem, plain.problem.records[0]
+    problem, record = plain.problem, plain.problem.recordings[0]
     acts = [acting(name, values) for name, values in effects.items()]
-    p, table = dynamics(problem, record, Values((), tuple(acts), np.zeros(0), None), 0.0)
+    p, table = dynamics(problem, record, Terms((), tuple(acts), np.zeros(0), None), 0.0)
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     generator = np.random.default_rng(0)
     for reading_variance in (1e-20, 1e-7, 1.0):
@@ -125,13 +125,13 @@ def test_spikes_weigh_little() -> None:
     assert penalty(np.array([100.0])) == pytest.approx(2.0 * SPIKE * 100.0 - SPIKE**2)
 
 
-def ratios(posed: Posed, effects: tuple[Acting, ...], density: float) -> list[FloatArray]:
+def ratios(posed: Posed, effects: tuple[Acting, ...], process_noise: float) -> list[FloatArray]:
     """Innovations over their standard deviations, a recording each."""
     found = [
-        run_filter(posed.problem, record, Values((), tuple(effects), np.zeros(0), None), density)
-        for record in posed.problem.records
+        run_filter(posed.problem, record, Terms((), tuple(effects), np.zeros(0), None), process_noise)
+        for record in posed.problem.recordings
     ]
-    pairs = zip(found, posed.problem.records, strict=True)
+    pairs = zip(found, posed.problem.recordings, strict=True)
     return [(one.innovation / np.sqrt(one.innovation_variance))[record.judged] for one, record in pairs]
 
 
@@ -140,7 +140,7 @@ def test_innovations_of_a_true_model_are_white(tmp_path: Path, seed: int) -> Non
     """Leave unit variance and no correlation up to 0.2 s when all that acts is declared; see it when it is not."""
     posed = pose(tmp_path / "case", seed)
     found = fit(posed.problem, Hypothesis(()))
-    each = ratios(posed, (), found.density)
+    each = ratios(posed, (), found.process_noise)
     n = sum(len(z) for z in each)
     # Sampling: the mean square of n independent normal numbers scatters by √(2/n), each correlation by 1/√n. Four of
     # these for the variance, and for 20 lags together the quantile of χ² beyond which one seed in 10 000 lies.
@@ -148,7 +148,7 @@ def test_innovations_of_a_true_model_are_white(tmp_path: Path, seed: int) -> Non
     lags = [sum(float(np.sum(z[lag:] * z[:-lag])) for z in each) / np.sqrt(n) for lag in range(1, 21)]
     assert float(np.sum(np.square(lags))) < chi2.ppf(1.0 - 1e-4, 20)
     # The same filter sees what its model lacks.
-    wrong = ratios(posed, (acting("level_error", {"angle": 0.003}),), found.density)
+    wrong = ratios(posed, (acting("level_error", {"angle": 0.003}),), found.process_noise)
     lag = sum(float(np.sum(z[1:] * z[:-1])) for z in wrong) / np.sqrt(n)
     assert lag > 10.0
 
@@ -161,9 +161,11 @@ def test_process_noise_is_what_the_angle_leaves(tmp_path: Path, seed: int) -> No
     # The angle's error is not white as the filter takes it to be; what the search relies on is a factor of 3 upwards.
     # Downwards the same factor holds: less would mean that the noise of the reading has swallowed the angle's.
     assert Criterion().explained(problem, found)
-    assert found.root_density > problem.angle_floor / 3.0
+    assert found.root_process_noise > problem.angle_floor / 3.0
     # A model that lacks something has far more: here a beam that is 0.2° off its level.
-    level = Problem(problem.records, problem.rig.with_(level_angle=0.003), problem.declared, problem.noise)
+    level = Problem(
+        problem.recordings, problem.rig.with_(level_angle=0.003), problem.declared, problem.reading_variance
+    )
     assert not Criterion().explained(level, fit(level, Hypothesis(())))
 
 

@@ -41,7 +41,7 @@ def test_every_window_is_predicted_by_a_fit_that_has_not_seen_it(rolling: tuple[
     """Predict each window once, and better with the effect that acts."""
     problem, without, with_it = rolling
     before, after = (held_out_errors(problem, one) for one in (without, with_it))
-    assert len(before) == len(after) == len(windows_of(problem.records))
+    assert len(before) == len(after) == len(windows_of(problem.recordings))
     assert sum(one < other for one, other in zip(after, before, strict=True)) > len(before) / 2
 
 

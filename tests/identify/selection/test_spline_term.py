@@ -14,64 +14,64 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.identify.estimate.starts import starting_points
 from harness.identify.filter import run as filter_run
-from harness.identify.problem.hypothesis import Hypothesis, Values
+from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
+from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from tests.posed import Posed
 
 NODES = DEFAULT.spline_nodes
-BENT = Shape(Depends.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES)))
-ROUND = replace(blank(Depends.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
+BENT = SplineTerm(Regressor.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES)))
+ROUND = replace(blank(Regressor.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
 
 
-def spline(shape: Shape, where: FloatArray) -> FloatArray:
+def spline(spline: SplineTerm, where: FloatArray) -> FloatArray:
     """The curve by scipy: slopes are central differences, at the ends those of the last two nodes."""
-    places, nodes = shape.places, shape.nodes
-    if shape.turning:  # three turns of it, of which the middle one is far from either end
-        places = shape.low + shape.step * np.arange(-len(nodes), 2 * len(nodes))
-        nodes, where = np.tile(nodes, 3), (where - shape.low) % (2.0 * np.pi) + shape.low
+    places, nodes = spline.places, spline.nodes
+    if spline.turning:  # three turns of it, of which the middle one is far from either end
+        places = spline.low + spline.step * np.arange(-len(nodes), 2 * len(nodes))
+        nodes, where = np.tile(nodes, 3), (where - spline.low) % (2.0 * np.pi) + spline.low
     inside = np.clip(where, places[0], places[-1])
-    return np.asarray(CubicHermiteSpline(places, nodes, np.gradient(nodes, shape.step))(inside))
+    return np.asarray(CubicHermiteSpline(places, nodes, np.gradient(nodes, spline.step))(inside))
 
 
 @pytest.mark.parametrize("shape", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
-def test_a_curve_is_the_spline_through_its_nodes(shape: Shape) -> None:
+def test_a_curve_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
     """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a turn."""
-    np.testing.assert_allclose(shape.at(shape.places), shape.nodes, rtol=1e-12)
+    np.testing.assert_allclose(spline.at(spline.places), spline.nodes, rtol=1e-12)
     where = np.linspace(-3.0, 13.0, 1001)
     # The place among the nodes is rounded by 1e-16 · 13/0.02 = 7e-14, times slopes of order 1 a node.
-    np.testing.assert_allclose(shape.at(where), spline(shape, where), atol=1e-12)
+    np.testing.assert_allclose(spline.at(where), spline(spline, where), atol=1e-12)
 
 
 @pytest.mark.parametrize("shape", [BENT, ROUND], ids=["bent", "round"])
-def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(shape: Shape) -> None:
+def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(spline: SplineTerm) -> None:
     """Keep every node, add one between two, and move no further than a spline's slopes change."""
-    finer = shape.finer()
-    assert len(finer.nodes) == 2 * NODES - (0 if shape.turning else 1) <= MOST_NODES
-    np.testing.assert_allclose(finer.nodes[::2], shape.nodes, rtol=1e-12)
+    finer = spline.finer()
+    assert len(finer.nodes) == 2 * NODES - (0 if spline.turning else 1) <= MOST_NODES
+    np.testing.assert_allclose(finer.nodes[::2], spline.nodes, rtol=1e-12)
     where = np.linspace(0.1, 0.54, 101)
     # Nodes are sin n: slopes by differences are cos n sin(1), by half as wide ones cos n · 2 sin(1/2) (both before what
     # the first spline rounds off); they differ by 0.12, which a cubic turns into 0.12 · 4/27 at most, twice.
-    np.testing.assert_allclose(finer.at(where), shape.at(where), atol=2.0 * 0.12 * 4.0 / 27.0)
+    np.testing.assert_allclose(finer.at(where), spline.at(where), atol=2.0 * 0.12 * 4.0 / 27.0)
 
 
-@pytest.mark.parametrize(("depends", "friction"), [kind for kind in KINDS if kind[0] is not Depends.TIME])
-def test_the_kernel_feels_the_curve(depends: Depends, friction: bool) -> None:
+@pytest.mark.parametrize(("depends", "friction"), [kind for kind in KINDS if kind[0] is not Regressor.TIME])
+def test_the_kernel_feels_the_curve(depends: Regressor, friction: bool) -> None:
     """Push the ball, or hold it, by the curve at the ball's position, velocity, angle or the angle that it lies at."""
     p = coefficients(CAM, Rig())
     p[ORIGIN] = 0.2
     without, resisted = acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p), dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
-    shape = replace(blank(depends, friction, -1.0, 1.0), nodes=np.linspace(0.01, 0.03, NODES))
-    if shape.turning:
-        shape = replace(ROUND, friction=friction, nodes=shape.nodes)
-    shape.write(p, phase=1.0)
+    spline = replace(blank(depends, friction, -1.0, 1.0), nodes=np.linspace(0.01, 0.03, NODES))
+    if spline.turning:
+        spline = replace(ROUND, friction=friction, nodes=spline.nodes)
+    spline.write(p, phase=1.0)
     felt = {
-        Depends.POSITION: 0.3,
-        Depends.VELOCITY: 0.1,
-        Depends.ANGLE: 0.02,
-        Depends.ROLL_ANGLE: (0.3 - 0.2) / Rig().rolling_radius + 1.0,
+        Regressor.POSITION: 0.3,
+        Regressor.VELOCITY: 0.1,
+        Regressor.ANGLE: 0.02,
+        Regressor.ROLL_ANGLE: (0.3 - 0.2) / Rig().rolling_radius + 1.0,
     }[depends]
-    (expected,) = shape.at(np.array([felt])) * p[RESPONSE]
+    (expected,) = spline.at(np.array([felt])) * p[RESPONSE]
     if friction:
         assert resisted == 0.0
         held = dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
@@ -82,36 +82,36 @@ def test_the_kernel_feels_the_curve(depends: Depends, friction: bool) -> None:
 
 
 @pytest.mark.parametrize("shape", [BENT, ROUND.finer()])
-def test_a_record_holds_all_but_the_values(shape: Shape) -> None:
+def test_a_record_holds_all_but_the_values(spline: SplineTerm) -> None:
     """Come back from JSON as the same curve that is nothing yet."""
-    again = Shape.of(shape.record())
-    assert replace(again, nodes=shape.nodes).record() == shape.record()
-    np.testing.assert_array_equal(again.places, shape.places)
+    again = SplineTerm.of(spline.record())
+    assert replace(again, nodes=spline.nodes).record() == spline.record()
+    np.testing.assert_array_equal(again.places, spline.places)
     with pytest.raises(ValueError, match="99 nodes"):
-        Shape.of({**shape.record(), "nodes": 99})
+        SplineTerm.of({**spline.record(), "nodes": 99})
 
 
 def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
     """Add f/g to the angle and nothing to its rates; a friction of time becomes a column of its own."""
-    record, gravity = plain.problem.records[0], plain.problem.rig.gravity
-    force = Shape(Depends.TIME, False, 0.0, 16.0 / (NODES - 1), np.linspace(0.0, 0.5, NODES))
+    record, gravity = plain.problem.recordings[0], plain.problem.rig.gravity
+    force = SplineTerm(Regressor.TIME, False, 0.0, 16.0 / (NODES - 1), np.linspace(0.0, 0.5, NODES))
     loaded = force.load(record.table, record.times, gravity)
     np.testing.assert_allclose(loaded[:, 0] - record.table[:, 0], force.at(record.times) / gravity, atol=1e-15)
     np.testing.assert_array_equal(loaded[:, 1:], record.table[:, 1:])
     p = np.zeros(SLOTS)
     force.write(p)
     assert p[SHAPE] == 0.0
-    dry = Shape(Depends.TIME, True, force.low, force.step, force.nodes)
+    dry = SplineTerm(Regressor.TIME, True, force.low, force.step, force.nodes)
     column = dry.load(record.table, record.times, gravity)
     np.testing.assert_array_equal(column[:, -1], dry.at(record.times))
 
 
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_blank_curve_changes_nothing(plain: Posed, depends: Depends, friction: bool) -> None:
+def test_a_blank_curve_changes_nothing(plain: Posed, depends: Regressor, friction: bool) -> None:
     """Predict with a curve of zeros exactly what is predicted without one."""
-    shape = blank(depends, friction, 0.0, 1.0)
+    spline = blank(depends, friction, 0.0, 1.0)
     without, with_curve = (
-        filter_run.deviance(plain.problem, Values((), (), np.zeros(0), one), 1e-8) for one in (None, shape)
+        filter_run.deviance(plain.problem, Terms((), (), np.zeros(0), one), 1e-8) for one in (None, spline)
     )
     assert with_curve == pytest.approx(without, rel=1e-9)
 
@@ -125,8 +125,8 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...])
     low, high = hypothesis.bounds(plain.problem)
     assert len(start) == len(low) == len(high) == hypothesis.size(plain.problem)
     assert np.all((low <= start) & (start <= high))
-    read = hypothesis.read(start, plain.problem)
+    read = hypothesis.terms(start, plain.problem)
     assert [value for one in read.effects for value in one.values.values()] == pytest.approx(list(known.values()))
-    assert len(read.phases) == len(plain.problem.records)
+    assert len(read.phases) == len(plain.problem.recordings)
     assert read.shape is not None
     np.testing.assert_allclose(read.shape.nodes, BENT.nodes, rtol=1e-12)

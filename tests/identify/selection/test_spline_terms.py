@@ -13,7 +13,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import Depends, blank
+from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import held_out_deviances, visited, with_spline_term
@@ -39,8 +39,8 @@ def blown(folder: Path, *, both: bool) -> Problem:
 def with_and_without(problem: Problem) -> tuple[Fit, Fit]:
     """Fits without a curve and with one of time."""
     found = fit(problem, Hypothesis(()))
-    curve = blank(Depends.TIME, False, *visited(problem, Depends.TIME))
-    return found, fit(problem, Hypothesis((), curve), density=found.density)
+    curve = blank(Regressor.TIME, False, *visited(problem, Regressor.TIME))
+    return found, fit(problem, Hypothesis((), curve), process_noise=found.process_noise)
 
 
 def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
@@ -62,7 +62,7 @@ def test_a_gust_is_a_curve_of_time_only_if_it_comes_again(tmp_path: Path, both: 
 def test_one_recording_cannot_tell(tmp_path: Path) -> None:
     """Take the curve's gain for what it is where there is no second recording to ask."""
     problem = blown(tmp_path / "case", both=False)
-    alone = replace(problem, records=problem.records[:1])
+    alone = replace(problem, recordings=problem.recordings[:1])
     found, best = with_and_without(alone)
     assert Criterion().gain(best, found) > DEFAULT.spline_keep
     assert recurs(alone, found, best)
@@ -72,38 +72,38 @@ def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) ->
     """Carry a force on beyond where the ball has been, instead of leaving it to chance."""
     hill = {"force_hill": {"force": 0.01, "start": 0.29, "end": 0.36}}
     problem = pose(tmp_path / "case", 2, unlisted=hill).problem
-    low, high = visited(problem, Depends.POSITION)
+    low, high = visited(problem, Regressor.POSITION)
     assert high < 0.55
     start = fit(problem, Hypothesis(()))
-    found = fit(problem, Hypothesis((), blank(Depends.POSITION, False, low, 0.7)), density=start.density)
-    assert found.best.shape is not None
-    beyond = found.best.shape.nodes[found.best.shape.places > high + found.best.shape.step]
+    found = fit(problem, Hypothesis((), blank(Regressor.POSITION, False, low, 0.7)), process_noise=start.process_noise)
+    assert found.terms.spline is not None
+    beyond = found.terms.spline.nodes[found.terms.spline.places > high + found.terms.spline.step]
     assert len(beyond) > 1
     # nothing but the difference from its neighbour holds such a node; the last one visited is held by readings
-    np.testing.assert_allclose(beyond, beyond[0], atol=1e-3 * np.ptp(found.best.shape.nodes))
+    np.testing.assert_allclose(beyond, beyond[0], atol=1e-3 * np.ptp(found.terms.spline.nodes))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "depends", "friction"),
     [
-        ("out_of_round", {"torque": 5e-5}, Depends.ROLL_ANGLE, False),
-        ("sticky_spot", {"coefficient": 0.015, "width": 0.3}, Depends.ROLL_ANGLE, True),
-        ("magnet", {"force": -0.01, "centre": 0.35, "distance": 0.05}, Depends.POSITION, False),
+        ("out_of_round", {"torque": 5e-5}, Regressor.ROLL_ANGLE, False),
+        ("sticky_spot", {"coefficient": 0.015, "width": 0.3}, Regressor.ROLL_ANGLE, True),
+        ("magnet", {"force": -0.01, "centre": 0.35, "distance": 0.05}, Regressor.POSITION, False),
     ],
     ids=["out of round", "sticky spot", "magnet"],
 )
 def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_curve(
-    tmp_path: Path, name: str, values: dict[str, float], depends: Depends, friction: bool
+    tmp_path: Path, name: str, values: dict[str, float], depends: Regressor, friction: bool
 ) -> None:
     """Name no effect beside the curve of what acts, however the ball lay at the start of each recording."""
     said = identify(pose(tmp_path / "case", 3, unlisted={name: values}).problem)
-    shape = said.found.best.shape
+    spline = said.found.terms.spline
     assert said.verdict is Verdict.UNLISTED
     assert not said.effects
-    assert shape is not None
-    assert (shape.depends, shape.friction) == (depends, friction)
-    assert said.found.root_density < 0.1 * said.base.root_density
+    assert spline is not None
+    assert (spline.depends, spline.friction) == (depends, friction)
+    assert said.found.root_process_noise < 0.1 * said.base.root_process_noise
 
 
 @pytest.mark.slow

@@ -35,7 +35,7 @@ def rolling(tmp_path_factory: pytest.TempPathFactory) -> tuple[Posed, Fit, Fit]:
     """A rig whose ball rolls with a resistance that is not declared, and fits without and with it."""
     posed = pose(tmp_path_factory.mktemp("rolling") / "case", 0, {ROLLING: {"coefficient": 0.004}})
     base = fit(posed.problem, Hypothesis(()))
-    return posed, base, fit(posed.problem, Hypothesis((ROLLING,)), density=base.density)
+    return posed, base, fit(posed.problem, Hypothesis((ROLLING,)), process_noise=base.process_noise)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_the_record_tells_the_same(held: BaselineComparison) -> None:
 def test_the_model_knows_two_seconds_only(rolling: tuple[Posed, Fit, Fit]) -> None:
     """Miss a window by the same when everything before and after it is changed, for the model is no better informed."""
     posed, _, found = rolling
-    window = windows_of(posed.problem.records)[1]
+    window = windows_of(posed.problem.recordings)[1]
 
     def shifted(reading: FloatArray) -> FloatArray:
         outside = np.ones(len(reading), dtype=bool)
@@ -99,7 +99,7 @@ def test_short_recordings_hold_no_compare_with_baselines(rolling: tuple[Posed, F
     """Say nothing where no held-out piece lasts 5 s."""
     posed, base, found = rolling
     short = tuple(
-        replace(one, time=one.time[:400], reading=one.reading[:400], name=one.name) for one in posed.problem.records
+        replace(one, time=one.time[:400], reading=one.reading[:400], name=one.name) for one in posed.problem.recordings
     )
     held = [replace(one, left=short[:1]) for one in fit_folds(posed.problem, base, found)]
     assert compare_with_baselines(held) is None

@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from analytic.rig import Rig
 from harness.identify.problem.prepare import problem_of
-from harness.identify.problem.problem import Record
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
 from harness.identify.validation.baselines import (
     DoubleIntegrator,
@@ -30,14 +30,14 @@ STEP = 0.02  # [s]
 
 
 @pytest.fixture(scope="module")
-def beam() -> Record:
+def beam() -> PreparedRecording:
     """A beam that swings at three rates for 17 s; the ball is still to be put on it."""
     time = STEP * np.arange(851)
     angle = 0.03 * np.sin(1.1 * time) + 0.02 * np.sin(2.7 * time + 1.0) + 0.01 * np.sin(6.3 * time)
-    return Record("made", time, np.zeros_like(time), make_drive(time, angle))
+    return PreparedRecording("made", time, np.zeros_like(time), make_drive(time, angle))
 
 
-def test_windows_tile_the_recording(beam: Record) -> None:
+def test_windows_tile_the_recording(beam: PreparedRecording) -> None:
     """Predict every reading between 2 s and the last whole window's end once, from the 2 s before its window."""
     windows = windows_of((beam,))
     judged = np.concatenate([beam.time[one.use][one.judged] for one in windows])
@@ -49,7 +49,7 @@ def test_windows_tile_the_recording(beam: Record) -> None:
         assert one.time[one.known][-1] < one.time[one.judged][0]
 
 
-def test_a_window_without_readings_is_left_out(beam: Record) -> None:
+def test_a_window_without_readings_is_left_out(beam: PreparedRecording) -> None:
     """Predict nothing from nothing: a gap takes away the windows that begin or end in it."""
     gap = np.where((beam.time >= 3.0) & (beam.time < 5.0), np.nan, beam.reading)
     assert [one.begin for one in windows_of((replace(beam, reading=gap),))] == [0.0, 6.0, 9.0, 12.0]
@@ -66,10 +66,10 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
     rig = rig.with_(eccentricity=rig.eccentricity - rig.lever)
     truth = write_case(tmp_path / "case", Experiment(rig=rig, predict=0, seed=3))
     problem, _ = problem_of(load_case(tmp_path / "case"))
-    windows = windows_of(problem.records)
+    windows = windows_of(problem.recordings)
     missed, column = [], []
     for window in windows:
-        (told,) = [one for one, record in zip(truth, problem.records, strict=True) if record is window.record]
+        (told,) = [one for one, record in zip(truth, problem.recordings, strict=True) if record is window.record]
         s, t = told.position[window.use], window.time
         alpha, rate = window.record.drive.evaluate(t + window.begin), window.record.drive.derivative(t + window.begin)
         d = rig.rolling_ratio * (s * rate**2 + rig.gravity * (np.sin(alpha) - alpha))
@@ -79,14 +79,14 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
         missed.append(D - others @ (others.T @ D))
         column.append(a - others @ (others.T @ a))
     size = float(np.linalg.norm(np.concatenate(column)))
-    allowed = (float(np.linalg.norm(np.concatenate(missed))) + 4.0 * math.sqrt(problem.noise)) / size
+    allowed = (float(np.linalg.norm(np.concatenate(missed))) + 4.0 * math.sqrt(problem.reading_variance)) / size
     found = fit_double_integrator(windows).gains[0]
     assert abs(found - rig.rolling_ratio * rig.gravity) < allowed
     assert allowed < 0.02 * found  # or it would say nothing
 
 
 @pytest.mark.parametrize("poles", [(1.2, 9.0), (0.8, -2.0), (6.0, 5.0)], ids=["swings", "runs away", "damped"])
-def test_the_black_box_finds_a_system_of_order_two(beam: Record, poles: tuple[float, float]) -> None:
+def test_the_black_box_finds_a_system_of_order_two(beam: PreparedRecording, poles: tuple[float, float]) -> None:
     """Find F and B of a known B/F from readings without noise, and predict it.
 
     Without noise the least sum of squares is zero at the truth; the search ends where a step changes it by less than
@@ -111,7 +111,7 @@ def test_the_chart_of_poles_is_that_of_sampled_differential_equations() -> None:
         np.testing.assert_allclose(OutputError((first, zeroth)).denominator(STEP), np.poly(roots), atol=1e-12)
 
 
-def test_uneven_stamps_are_no_hindrance(beam: Record) -> None:
+def test_uneven_stamps_are_no_hindrance(beam: PreparedRecording) -> None:
     """Predict as well where stamps jitter: the angle is known between them.
 
     Columns are interpolated between even times 20 ms apart: |s̈| < 1 m/s² leaves 1/8 · 0.02² = 5e-5 m.
@@ -131,7 +131,7 @@ def test_uneven_stamps_are_no_hindrance(beam: Record) -> None:
 
 def test_predictions_know_the_beginning_only(plain: Posed) -> None:
     """Stay the same when everything after the known part of a window is changed."""
-    windows = windows_of(plain.problem.records)
+    windows = windows_of(plain.problem.recordings)
     for fitted in (fit_double_integrator(windows), fit_output_error(windows)):
         before = fitted.predict(windows[0])
         reading = windows[0].record.reading.copy()

@@ -11,9 +11,9 @@ import pytest
 from analytic.effects import Acting, acting
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.problem import Problem, Record
+from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import KINDS, Depends, Shape, blank
+from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.validation.engine_errors import engine_errors, entries
 from harness.identify.validation.held_out import HeldOut, errors
 from tests.posed import Posed
@@ -24,9 +24,11 @@ SECONDS = 6.0
 @pytest.fixture(scope="module")
 def short(plain: Posed) -> Problem:
     """The first seconds of one recording; nothing acts in it beyond what is declared."""
-    record = plain.problem.records[0]
+    record = plain.problem.recordings[0]
     first = record.time - record.time[0] < SECONDS
-    return replace(plain.problem, records=(Record("first", record.time[first], record.reading[first], record.drive),))
+    return replace(
+        plain.problem, recordings=(PreparedRecording("first", record.time[first], record.reading[first], record.drive),)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -35,21 +37,21 @@ def base(short: Problem) -> Fit:
     return fit(short, Hypothesis(()))
 
 
-def supposed(base: Fit, effects: Sequence[Acting] = (), shape: Shape | None = None, phase: float = 0.0) -> Fit:
+def supposed(base: Fit, effects: Sequence[Acting] = (), spline: SplineTerm | None = None, phase: float = 0.0) -> Fit:
     """A model with effects that are not there, so that it predicts wrongly by what they do."""
-    at = replace(base.best, effects=tuple(effects), shape=shape, phases=np.array([phase]))
-    return replace(base, hypothesis=Hypothesis(tuple(one.effect.name for one in effects), shape), best=at)
+    at = replace(base.terms, effects=tuple(effects), spline=spline, phases=np.array([phase]))
+    return replace(base, hypothesis=Hypothesis(tuple(one.effect.name for one in effects), spline), terms=at)
 
 
-def curve(problem: Problem, depends: Depends, friction: bool) -> Shape:
+def curve(problem: Problem, depends: Regressor, friction: bool) -> SplineTerm:
     """A law that varies by its own size over what the recording visits."""
-    known = problem.records[0].reading[np.isfinite(problem.records[0].reading)]
+    known = problem.recordings[0].reading[np.isfinite(problem.recordings[0].reading)]
     low, high = {
-        Depends.POSITION: (known.min(), known.max()),
-        Depends.VELOCITY: (-0.2, 0.2),
-        Depends.ANGLE: (-0.05, 0.05),
-        Depends.ROLL_ANGLE: (0.0, 2.0 * np.pi),
-        Depends.TIME: (0.0, SECONDS),
+        Regressor.POSITION: (known.min(), known.max()),
+        Regressor.VELOCITY: (-0.2, 0.2),
+        Regressor.ANGLE: (-0.05, 0.05),
+        Regressor.ROLL_ANGLE: (0.0, 2.0 * np.pi),
+        Regressor.TIME: (0.0, SECONDS),
     }[depends]
     nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if friction else 0.02)
     return replace(blank(depends, friction, float(low), float(high)), nodes=nodes)
@@ -62,10 +64,10 @@ def agree(problem: Problem, base: Fit, found: Fit) -> None:
     ball their steps round the stop off by c g h²/2, below a micrometre. What remains of a difference is the state from
     which a window begins, the same for both, and corners that the engines' beam rounds: 1 % and 20 µm hold them all.
     """
-    cam = errors(problem, found, problem.records).rms
-    plain = errors(problem, base, problem.records).rms
+    cam = errors(problem, found, problem.recordings).rms
+    plain = errors(problem, base, problem.recordings).rms
     assert cam["whole"] > 3.0 * plain["whole"], "the effect must be felt for this to say anything"
-    for name, run in engine_errors(HeldOut(problem, base, found, problem.records)).items():
+    for name, run in engine_errors(HeldOut(problem, base, found, problem.recordings)).items():
         assert set(run["after"]["rms_m"]) == set(cam)
         for horizon, value in cam.items():
             assert run["after"]["rms_m"][horizon] == pytest.approx(value, rel=1e-2, abs=2e-5), (name, horizon)
@@ -96,9 +98,9 @@ def test_an_effect_does_the_same_in_the_engines(
 
 
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends: Depends, friction: bool) -> None:
+def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends: Regressor, friction: bool) -> None:
     """Predict with both engines as wrongly as CAM does with an unlisted law, a force or a friction."""
-    found = supposed(base, shape=curve(short, depends, friction), phase=0.7)
+    found = supposed(base, spline=curve(short, depends, friction), phase=0.7)
     assert entries(found) == {"curve": "friction on the ball" if friction else "force on the ball"}
     agree(short, base, found)
 
@@ -106,7 +108,7 @@ def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends
 def test_an_engine_that_fails_says_so(short: Problem, base: Fit) -> None:
     """Put the message in place of the figures where the ball leaves the rails."""
     found = supposed(base, [acting("angle_gain", {"gain": 10.0})])
-    for run in engine_errors(HeldOut(short, base, found, short.records)).values():
+    for run in engine_errors(HeldOut(short, base, found, short.recordings)).values():
         assert run["after"]["rms_m"] == {}
         assert "failed at t" in run["after"]["failed"]
         assert run["before"]["rms_m"]
