@@ -66,7 +66,7 @@ def test_measured_order_is_that_of_the_engine(bundled: Setting) -> None:
     ],
 )
 def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, settings: dict[str, Any]) -> None:
-    """Blame the contact model for a contact that was softened or brakes, not the step and not the physics."""
+    """Attribute a softened or braking contact to the contact model, not to step size or missing physics."""
     right, own_right, _ = split(bundled, name)
     wrong, own_wrong, _ = split(bundled, name, **settings)
     assert right is not None
@@ -80,7 +80,7 @@ def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, s
 
 
 def test_physics_is_what_cam_lacks(bundled: Setting) -> None:
-    """Take CAM − measured for physics, whatever the engine."""
+    """Attribute CAM − measured to missing physics for every engine."""
     one, _, cam = split(bundled, "mujoco")
     other, _, _ = split(bundled, "pybullet")
     assert one is not None
@@ -90,7 +90,7 @@ def test_physics_is_what_cam_lacks(bundled: Setting) -> None:
 
 
 def test_a_failed_run_is_not_explained(bundled: Setting) -> None:
-    """Explain nothing where the ball fell."""
+    """Return no attribution if the ball falls."""
     parts, own, _ = split(bundled, "pybullet", contact_stiffness=10.0, contact_damping=0.1)
     assert own.failures
     assert parts is None
