@@ -25,7 +25,7 @@ def bundled() -> Setting:
     ids=["swing, 40,000 counts", "swing, 4,096 counts", "steps, 40,000 counts", "steps, 4,096 counts"],
 )
 def perfect(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Made, Setting]]:
-    """Recordings of a rig that lacks nothing CAM has and has nothing CAM lacks."""
+    """Recordings of a rig that CAM describes exactly."""
     make, counts = request.param
     used = sensors(counts)
     folder = tmp_path_factory.mktemp("perfect")

@@ -36,7 +36,7 @@ RIG = Rig()
 
 @dataclass(frozen=True)
 class Made:
-    """A case folder and what really happened in each of its recordings."""
+    """A case folder with the true trajectory of each recording."""
 
     folder: Path
     truth: tuple[Run, ...]

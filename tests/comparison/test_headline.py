@@ -21,19 +21,19 @@ def headline(setting: Setting) -> str:
 
 @pytest.mark.parametrize("counts", [FINE, COARSE])
 def test_free_runs_count_where_the_angle_is_known(tmp_path: Path, counts: int) -> None:
-    """Judge by the whole recording where the encoder allows it: u_val at its end is below the ball's motion."""
+    """Choose the whole recording if u_val at its end is below the ball's motion."""
     used = sensors(counts)
     made = write_case(tmp_path, [steps(11, Plant(rolling_resistance=0.002), used)], used)
     assert headline(made.prepare()) == "whole"
 
 
 def test_the_bundled_recording_counts_whole(bundled: Setting) -> None:
-    """Judge the bundled recording, 4,096 counts a turn, by its free run."""
+    """Choose the free run for the bundled recording, 4,096 counts per turn."""
     assert headline(bundled) == "whole"
 
 
 def test_windows_count_where_the_angle_is_poor(tmp_path: Path) -> None:
-    """Judge by windows where one count of 256 a turn, 25 mrad, moves the ball by metres in 12 s."""
+    """Choose windows if one count of 256 per turn, 25 mrad, displaces the ball by metres in 12 s."""
     used = sensors(256)
     setting = write_case(tmp_path, [swing(12, Plant(), used)], used).prepare()
     assert headline(setting) != "whole"
@@ -42,13 +42,13 @@ def test_windows_count_where_the_angle_is_poor(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["uts", "daisy"])
 def test_real_rigs_are_judged_by_windows(shared: Path, name: str) -> None:
-    """Judge student rigs, whose angle is noisy or coarse, by windows."""
+    """Choose windows for student rigs with a noisy or coarse angle."""
     setting = prepare(load_case(shared / "recordings" / name), Choices())
     assert headline(setting) in {"1 s", "2 s", "5 s"}
 
 
 def test_a_recording_without_windows_keeps_its_only_horizon(tmp_path: Path) -> None:
-    """Fall back on the whole recording where it is shorter than any window."""
+    """Choose the whole recording if it is shorter than any window."""
     used = sensors(256, noise=5e-3)
     setting = write_case(tmp_path, [swing(13, Plant(), used, 0.8)], used).prepare(lengths=(1.0,))
     assert [one.name for one in setting.horizons] == ["whole"]

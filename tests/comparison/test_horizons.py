@@ -56,7 +56,7 @@ def test_only_windows_that_are_mostly_blank_are_left_out() -> None:
 
 
 def test_the_whole_recording_begins_with_the_first_known_position() -> None:
-    """Begin where the ball is first seen."""
+    """Start at the first known position."""
     time = np.arange(501) * 0.01
     known = time >= 0.995
     whole, windows = horizons(time, known, [2.0])

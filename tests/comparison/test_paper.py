@@ -58,7 +58,7 @@ def test_friction_is_confirmed_where_it_dominates(braked: Study) -> None:
 
 
 def test_friction_is_refuted_where_there_is_none(free: Study) -> None:
-    """Refute (c) where nothing brakes and the radius is what CUM has wrong."""
+    """Refute (c) without friction, where the radius is CUM's only error."""
     assert verdicts(free)["c"] is Verdict.REFUTED
     assert "the radius r" in next(claim.because for claim in free.claims if claim.letter == "c")
 
@@ -76,7 +76,7 @@ def test_eccentric_pivot_is_confirmed_where_the_lever_vanishes(make_case: Callab
 
 
 def test_eccentric_pivot_is_confirmed_where_other_defects_bury_it(make_case: Callable[..., Made]) -> None:
-    """Confirm (b), what it takes off not being worth having, where no model has what acts: a patch that brakes."""
+    """Confirm (b) if missing physics, a braking patch, dominates so that the α̈ term hardly reduces the error."""
     plant = Plant(force=drag_of_a_patch)
     claim = claims_of(make_case(steps, plant, FINE), lengths=(2.0,))["b"]
     assert claim.verdict is Verdict.CONFIRMED, claim.because
@@ -108,7 +108,7 @@ def test_levelling_is_refuted_on_a_short_one(make_case: Callable[..., Made]) -> 
 
 
 def test_reasons_hold_the_figures(braked: Study) -> None:
-    """Say why in figures that are those of the table beside."""
+    """Give reasons with the same numbers as the table."""
     because = {claim.letter: claim.because for claim in braked.claims}
     cum, fitted = (braked.combinations["R", False, level, none(braked)].rms_error for level in (False, True))
     assert f"from {1e3 * cum:.1f} to {1e3 * fitted:.1f} mm" in because["a"]
@@ -127,7 +127,7 @@ def test_all_choices_are_crossed(braked: Study) -> None:
 
 
 def test_a_fit_never_loses(braked: Study, free: Study) -> None:
-    """Err no more with a fitted term than without: its coefficient could have been 0."""
+    """Never increase the error by a fitted term, whose coefficient can be 0."""
     for of in (braked, free):
         for (radius, eccentric, level, reading), one in of.combinations.items():
             for simpler in ((radius, eccentric, False, reading), (radius, eccentric, level, none(of))):

@@ -44,7 +44,7 @@ def test_starts_of_windows_cover_the_truth(perfect: list[tuple[Made, Setting]]) 
 
 
 def test_every_source_starts_alike(bundled: Setting) -> None:
-    """Begin every model's run at the estimated state."""
+    """Start every model's run at the estimated state."""
     for horizon in bundled.horizons:
         for run in run_models(bundled, [CAM], horizon):
             at = np.arange(len(horizon.first)), horizon.first
@@ -53,7 +53,7 @@ def test_every_source_starts_alike(bundled: Setting) -> None:
 
 
 def test_a_given_start_holds_for_the_whole_run_only(perfect: list[tuple[Made, Setting]]) -> None:
-    """Use a start the user gives for the free run, and the measured state for windows, which begin elsewhere."""
+    """Use a start given by the user for the free run only, and the estimated state for windows."""
     made, estimated = perfect[0]
     setting = made.prepare(start=State(0.4, 0.01))
     assert setting.starts(setting.horizons[0]).tolist() == [[0.4, 0.01]]

@@ -31,7 +31,7 @@ def ratios(setting: Setting) -> dict[str, FloatArray]:
 
 
 def test_u_val_is_calibrated(perfect: list[tuple[Made, Setting]]) -> None:
-    """Find CAM's error to be u_val where CAM is the truth: on windows closely, on long runs on the safe side."""
+    """Find CAM's error to equal u_val if CAM is the truth: closely on windows, conservatively on long runs."""
     pooled: dict[str, list[FloatArray]] = {}
     for _, setting in perfect:
         for name, ratio in ratios(setting).items():
@@ -49,7 +49,7 @@ def test_u_val_is_calibrated(perfect: list[tuple[Made, Setting]]) -> None:
 
 
 def test_a_missing_effect_is_seen(tmp_path: Path) -> None:
-    """Find CAM's error far beyond u_val where the rig has a rolling resistance."""
+    """Find CAM's error far above u_val if the rig has a rolling resistance."""
     used = sensors(FINE)
     made = write_case(tmp_path / "case", [swing(0, Plant(rolling_resistance=0.0035), used)], used)
     ratio = ratios(made.prepare())
@@ -58,7 +58,7 @@ def test_a_missing_effect_is_seen(tmp_path: Path) -> None:
 
 
 def test_a_given_start_is_exact(tmp_path: Path) -> None:
-    """Leave only the angle and the reading uncertain where the user gives the start."""
+    """Include only angle and reading in u_val if the user gives the start."""
     used = sensors(FINE)
     made = write_case(tmp_path, [swing(2, Plant(), used)], used)
     position, velocity = made.ball(np.zeros(1))[0]
@@ -69,7 +69,7 @@ def test_a_given_start_is_exact(tmp_path: Path) -> None:
 
 
 def test_an_estimated_rig_widens_u_val(tmp_path: Path) -> None:
-    """Count what the estimation of an unknown rig leaves open."""
+    """Include the uncertainty of an estimated rig in u_val."""
     used, plant = sensors(FINE), Plant(rig=Rig(level_angle=-0.003))
     known = write_case(tmp_path / "known", [swing(1, plant, used)], used).prepare(level_angle=-0.003)
     hidden = write_case(tmp_path / "hidden", [swing(1, plant, used)], used, known=HIDDEN).prepare()

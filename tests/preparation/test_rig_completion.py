@@ -29,7 +29,7 @@ CASES = [
 
 @pytest.mark.parametrize(("known", "ratio", "chosen"), CASES)
 def test_completed_rig_accelerates_with_the_estimated_ratio(known: KnownRig, ratio: float, chosen: str) -> None:
-    """Give K g exactly, by the quantity that is free, and leave what is known as it is."""
+    """Reproduce K g exactly by the free quantity, and keep the known ones."""
     rough = rough_rig(known)
     rig, note = rig_of_ratio(known, rough, ratio)
     assert rig.rolling_ratio * rig.gravity == pytest.approx(ratio * rough.gravity, rel=1e-12)
@@ -45,7 +45,7 @@ def test_completed_rig_accelerates_with_the_estimated_ratio(known: KnownRig, rat
 @pytest.mark.parametrize("name", DEFAULT_ENGINES)
 @pytest.mark.parametrize(("known", "ratio", "chosen"), CASES)
 def test_engines_run_the_completed_rig(name: str, known: KnownRig, ratio: float, chosen: str) -> None:
-    """Follow CAM with the completed rig, however odd, in every engine."""
+    """Follow CAM in every engine with the completed rig, however unusual."""
     rig, _ = rig_of_ratio(known, rough_rig(known), ratio)
     time, start = np.arange(101) * 0.01, State(0.36, -0.1)
     run = engine_of(name).run(rig, Sines(), start, time)

@@ -78,7 +78,7 @@ def test_a_level_rig_is_found_level(shared: Path, name: str) -> None:
 
 
 def test_only_what_is_asked_for_is_estimated(tmp_path: Path) -> None:
-    """Leave K and ℓ to the rig file where it states them, and say that they are certain."""
+    """Keep K and ℓ of the rig file, with zero standard error."""
     plant, used = Plant(rig=RIG.with_(level_angle=LEVEL)), sensors(FINE)
     made = write_case(tmp_path, [swing(3, plant, used)], used)
     setting = made.prepare(level_angle="estimate")
@@ -91,7 +91,7 @@ def test_only_what_is_asked_for_is_estimated(tmp_path: Path) -> None:
 
 
 def test_a_weak_recording_says_so(tmp_path: Path) -> None:
-    """Assume a pivot in the edge plane where a slow beam says nothing of it, instead of giving any number."""
+    """Assume a pivot in the edge plane if a slow beam does not identify it."""
     plant, used = Plant(), sensors(COARSE, noise=5e-3)
     known = {key: value for key, value in KNOWN.items() if key != "eccentricity_m"}
     setting = write_case(tmp_path, [swing(4, plant, used, 3.0)], used, known=known).prepare()

@@ -17,7 +17,7 @@ def wandering(time: np.ndarray, density: float) -> np.ndarray:
 
 
 def test_innovations_give_generalised_least_squares() -> None:
-    """Weigh errors as the inverse of their full covariance does, start free, blanks left out."""
+    """Weight errors by the inverse of their full covariance, with free initial state and blanks omitted."""
     draw = np.random.default_rng(0)
     time = np.cumsum(draw.uniform(0.01, 0.03, 80))
     variance = np.where(draw.random(80) < 0.1, np.inf, (1e-3 * draw.uniform(0.5, 2.0, 80)) ** 2)
@@ -36,7 +36,7 @@ def test_innovations_give_generalised_least_squares() -> None:
 
 
 def test_innovations_of_the_right_noise_are_white() -> None:
-    """Turn simulated wandering and noise into independent numbers of variance 1."""
+    """Whiten simulated random walk and noise to independent numbers of variance 1."""
     draw = np.random.default_rng(1)
     time = np.arange(400) * 0.01
     variance = np.full(400, 1e-6)

@@ -96,7 +96,7 @@ def test_windows_that_the_recording_does_not_hold_are_bad_input(short_study: Stu
 
 
 def test_limits_for_another_tube_are_bad_input(short_study: Study) -> None:
-    """Refuse to judge the share of time outside a tube by limits that mean another tube."""
+    """Refuse limits on the share outside a tube of another width."""
     limit = Limit("cam", None, METRICS["fraction_outside_tube"], 1.0)
     assert check(short_study, on(limit, tube=0.010))[0].passed
     with pytest.raises(InputError, match=r"tolerance_m = 0\.004.*±0\.01 m"):
@@ -109,7 +109,7 @@ def test_limits_for_another_tube_are_bad_input(short_study: Study) -> None:
     st.floats(-1e6, 1e6, allow_subnormal=False),
 )
 def test_the_margin_is_negative_exactly_where_a_limit_is_broken(metric: object, value: float, limit: float) -> None:
-    """Give room its sign: none is negative where a limit is kept, none is positive where it is broken."""
+    """Give a non-negative margin if a limit is kept, a non-positive one if it is broken."""
     one = Limit("cam", None, metric, limit)  # type: ignore[arg-type]
     assert (one.margin(value) >= 0.0) == one.metric.meets(value, limit)
 
@@ -143,5 +143,5 @@ def test_the_table_lists_every_limit_and_marks_the_broken(short_study: Study) ->
 
 
 def test_a_check_is_plain_data(short_study: Study) -> None:
-    """Hold nothing that JSON could not."""
+    """Contain only values that JSON can represent."""
     json.dumps(asdict(only(short_study, Limit("cam", 1.0, METRICS["fit_percent"], 50.0))))

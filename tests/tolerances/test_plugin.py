@@ -213,7 +213,7 @@ def test_limits_spread_over_processes(pytester: pytest.Pytester, make_case: Make
 
 
 def test_other_sessions_are_left_alone(pytester: pytest.Pytester) -> None:
-    """Change nothing where no case is named, and load no numerics: the plugin is part of every pytest run."""
+    """Change nothing and import no numerics without a case, as the plugin is loaded in every pytest run."""
     pytester.makepyfile(test_mine="def test_mine(): pass")
     result = run(pytester)
     result.assert_outcomes(passed=1)
