@@ -115,7 +115,7 @@ class Comparison(Summarised):
         Raises:
             InputError: the folder cannot be written.
         """
-        folder = report_folder(self.case) if folder is None else Path(folder)
+        folder = report_folder(self.case.path) if folder is None else Path(folder)
         with all_or_nothing(folder) as scratch:
             self._write(scratch)
         return folder
@@ -172,9 +172,9 @@ def compare(
             see `Comparison.failures`.
     """
     begin = time.monotonic()
-    case = case_of(case)
     with beside_catalogue(effects), shown(progress) as tell:
-        tell("models and engines", share=0.0)
+        case = case_of(case)
+        tell("loading engines", share=0.0)
         from analytic.motion import State
         from harness.comparison import Choices, prepare, study
         from harness.tolerances import check as held_to

@@ -89,7 +89,7 @@ class Diagnosis(LoadedDiagnosis):
         Raises:
             InputError: the folder cannot be written.
         """
-        folder = report_folder(self.case) if folder is None else Path(folder)
+        folder = report_folder(self.case.path) if folder is None else Path(folder)
         with beside_catalogue(self._own), all_or_nothing(folder) as scratch:
             self._write(scratch, folder, jobs)
         return folder
@@ -142,9 +142,9 @@ def diagnose(
             written then.
     """
     begin = time.monotonic()
-    case = case_of(case)
     asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out))
     with beside_catalogue(effects) as own, shown(progress) as tell:
+        case = case_of(case)
         hashes = input_hashes(case, asked.effects)
         prediction_files(case)
         further = _further(case, asked.also)

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.errors import InputError
-from harness.recording import Case
 from harness.recording.case import RIG_FILE
 
 if TYPE_CHECKING:
@@ -28,9 +27,9 @@ if TYPE_CHECKING:
 _PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
 
 
-def report_folder(case: Case) -> Path:
+def report_folder(case: Path) -> Path:
     """Where the results of a case go unless the user says otherwise: `reports/<name of the case>`."""
-    path = case.path.resolve()
+    path = case.resolve()
     return Path("reports") / (path.parent.name if path.name == "rig.toml" else path.stem)
 
 

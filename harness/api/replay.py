@@ -68,8 +68,9 @@ def replay(
         InputError: the diagnosis cannot be used, or the case is not the one that it was made from.
     """
     kept = diagnosis if isinstance(diagnosis, LoadedDiagnosis) else load_diagnosis(diagnosis)
-    record, case = kept.record, case_of(case)
+    record = kept.record
     with beside_catalogue(effects), shown(progress) as tell:
+        case = case_of(case)
         tell("drives and rig", share=0.0)
         from harness.identify.problem.prepare import problem_of
         from harness.identify.selection.replay import replay as again

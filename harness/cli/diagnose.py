@@ -8,7 +8,6 @@ from pathlib import Path
 
 import click
 
-from harness.api.case import load_case
 from harness.api.diagnosis import REPORT, diagnose
 from harness.api.outputs import report_folder
 from harness.identify.record import FILE
@@ -20,9 +19,8 @@ def diagnose_case(path: Path, *, out: Path | None, also: Sequence[Path], effects
     Raises:
         InputError: anything the user gave cannot be used; nothing has been written then.
     """
-    case = load_case(path)
-    folder = out or report_folder(case)
-    made = diagnose(case, also=also, effects=effects, out=folder, jobs=os.cpu_count() or 1, progress=True)
+    folder = out or report_folder(path)
+    made = diagnose(path, also=also, effects=effects, out=folder, jobs=os.cpu_count() or 1, progress=True)
     files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
     click.echo(made.record.text() if as_json else f"{made.sentence}\n{files}")
     return 0

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.api.case import load_case
 from harness.api.comparison import REPORT, Comparison, compare
 from harness.api.outputs import report_folder, to_json
 from harness.errors import EngineFailure
@@ -43,10 +42,10 @@ def run_case(
     Raises:
         InputError: anything the user gave cannot be used; nothing has been written then.
     """
-    case = load_case(path or BUNDLED)
     from harness.engines.catalogue import read_settings
 
     settings = read_settings(parameters, assignments)
+    case = path or BUNDLED
     folder = out or report_folder(case)
     made = compare(case, settings=settings, check=check_limits, out=folder, progress=True, **options)
     click.echo(_as_json(made, folder) if as_json else _as_text(made, folder))

@@ -78,10 +78,10 @@ def test_measured_order_is_that_of_the_engine(split: Split) -> None:
         ("pybullet", {"rolling_friction": 1e-5}),
     ],
 )
-def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, settings: dict[str, Any]) -> None:
+def test_a_changed_contact_shows_as_contact_model(split: Split, name: str, settings: dict[str, Any]) -> None:
     """Attribute a softened or braking contact to the contact model, not to step size or missing physics."""
-    right, own_right, _ = split(bundled, name)
-    wrong, own_wrong, _ = split(bundled, name, **settings)
+    right, own_right, _ = split(name)
+    wrong, own_wrong, _ = split(name, **settings)
     assert right is not None
     assert wrong is not None
     moved = np.sqrt(np.mean((own_wrong.position[0] - own_right.position[0])[wrong.use] ** 2))
@@ -92,18 +92,18 @@ def test_a_changed_contact_shows_as_contact_model(bundled: Setting, name: str, s
     assert wrong.rms()["physics"] == right.rms()["physics"]
 
 
-def test_physics_is_what_cam_lacks(bundled: Setting) -> None:
-    """Attribute CAM − measured to missing physics for every engine."""
-    one, _, cam = split(bundled, "mujoco")
-    other, _, _ = split(bundled, "pybullet")
+def test_physics_is_what_cam_lacks(split: Split, bundled: Setting) -> None:
+    """Attribute CAM − measured to physics for every engine."""
+    one, _, cam = split("mujoco")
+    other, _, _ = split("pybullet")
     assert one is not None
     assert other is not None
     np.testing.assert_array_equal(one.physics, other.physics)
     np.testing.assert_array_equal(one.physics, cam.position[0] - bundled.recording.position)
 
 
-def test_a_failed_run_is_not_explained(bundled: Setting) -> None:
-    """Return no attribution if the ball falls."""
-    parts, own, _ = split(bundled, "pybullet", contact_stiffness=10.0, contact_damping=0.1)
+def test_a_failed_run_is_not_explained(split: Split) -> None:
+    """Explain nothing where the ball fell."""
+    parts, own, _ = split("pybullet", contact_stiffness=10.0, contact_damping=0.1)
     assert own.failures
     assert parts is None
