@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.filter.run import FilterRun, run_filter
 from harness.identify.problem.problem import PreparedRecording, Problem
 

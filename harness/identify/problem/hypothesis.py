@@ -17,9 +17,9 @@ from harness.identify.problem.spline_term import SplineTerm
 _UNEVEN = {False: 1.0, True: 3.0}
 
 
-def phase_of(record: str) -> tuple[str, str]:
+def phase_key(recording: str) -> tuple[str, str]:
     """Key of φ₀ of a recording among known values."""
-    return "", f"phase of {record}"
+    return "", f"phase of {recording}"
 
 
 @dataclass(frozen=True)

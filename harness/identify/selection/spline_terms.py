@@ -11,14 +11,14 @@ from analytic.law import acceleration, dry_limit
 from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit, unrefined
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import Progress, found_in, in_threads
+from harness.identify.selection.candidates import Progress, in_threads, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 
@@ -41,7 +41,7 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     if not kept:
         return found
     best = _refined(problem, best, ledger, progress)
-    for name in found_in(problem, found):
+    for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
         nested = _kind(best) in CATALOGUE[name].relations.nested_in

@@ -13,7 +13,7 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
-from harness.identify.validation.whiteness import Dependence, joined, on_beam
+from harness.identify.validation.whiteness import Dependence, beam_dependence, joined
 from harness.progress import Progress, silent
 
 
@@ -57,7 +57,7 @@ def errors(problem: Problem, found: Fit, records: Sequence[PreparedRecording], p
         z = ratio[record.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
         ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.reading_variance))
-        beam.append(on_beam(record.time, ratio, record.judged, record.drive))
+        beam.append(beam_dependence(record.time, ratio, record.judged, record.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
 

@@ -24,7 +24,7 @@ from harness.signals.ball_state import BallEstimate
 
 
 @dataclass(frozen=True)
-class Trace:
+class ResidualAcceleration:
     """What is missing in one recording; arrays of shape (n,) at its stamps.
 
     Attributes:
@@ -46,7 +46,9 @@ class Trace:
     trusted: NDArray[np.bool_]
 
 
-def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEstimate) -> Trace:
+def residual_acceleration(
+    problem: Problem, found: Fit, record: PreparedRecording, ball: BallEstimate
+) -> ResidualAcceleration:
     """The trace of what `found` adds, in one recording.
 
     Args:
@@ -57,7 +59,7 @@ def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEst
     plain = _acceleration(bare, record, ball)
     declared = _acceleration(problem, record, ball)
     everything = _acceleration(problem, record, ball, found.terms)
-    return Trace(
+    return ResidualAcceleration(
         time=record.time,
         position=ball.position,
         velocity=ball.velocity,

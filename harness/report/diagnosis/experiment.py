@@ -25,7 +25,7 @@ def section(account: Account) -> Section | None:
         "sentence": sentence(proposal).replace("_", " "),
         "does": proposal.profile.words,
         "file": FILE,
-        "drift": length(proposal.drift, 2),
+        "drift": length(proposal.open_loop_drift, 2),
         "end": brief(float(proposal.time[-1])),
         "picture": _picture(proposal),
         "reveals": proposal.separations[0].rival == NOTHING,
@@ -36,13 +36,16 @@ def section(account: Account) -> Section | None:
 
 
 def _picture(proposal: Proposal) -> Picture:
-    room, thin = proposal.room, slice(None, None, thinning(len(proposal.time)))
+    envelope, thin = proposal.envelope, slice(None, None, thinning(len(proposal.time)))
     with style():
         figure = Figure(figsize=(WIDTH, 4.0), layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True)
         line(top, proposal.time[thin], np.degrees(proposal.angle[thin]), FOUND)
         line(bottom, proposal.time[thin], proposal.reading[thin], FOUND)
-        for axes, edges in ((top, np.degrees([-room.angle, room.angle])), (bottom, (room.low, room.high))):
+        for axes, edges in (
+            (top, np.degrees([-envelope.angle, envelope.angle])),
+            (bottom, (envelope.low, envelope.high)),
+        ):
             for edge in edges:
                 axes.axhline(edge, color=_EDGE, linewidth=1.0, dashes=(4.0, 3.0), zorder=2)
             axes.margins(y=0.08)

@@ -24,9 +24,9 @@ _LABEL = "residual acceleration\n[m/s²]"
 
 def section(account: Account) -> Section:
     """The section."""
-    residual = np.concatenate([one.residual[one.trusted] for one in account.traces])
-    law = np.concatenate([one.law[one.trusted] for one in account.traces])
-    deviation = np.concatenate([one.deviation[one.trusted] for one in account.traces])
+    residual = np.concatenate([one.residual[one.trusted] for one in account.residual_accelerations])
+    law = np.concatenate([one.law[one.trusted] for one in account.residual_accelerations])
+    deviation = np.concatenate([one.deviation[one.trusted] for one in account.residual_accelerations])
     context = {
         "changed": account.changed,
         "before": number(rms(residual)),
@@ -58,9 +58,11 @@ def _in_newtons(axes: Axes, account: Account) -> None:
 
 def _over_time(account: Account) -> Picture:
     with style():
-        figure = Figure(figsize=(WIDTH, 1.0 + 1.9 * len(account.traces)), layout="constrained")
-        grid = figure.subplots(len(account.traces), 1, squeeze=False)[:, 0]
-        for axes, one, record in zip(grid, account.traces, account.diagnosis.problem.recordings, strict=True):
+        figure = Figure(figsize=(WIDTH, 1.0 + 1.9 * len(account.residual_accelerations)), layout="constrained")
+        grid = figure.subplots(len(account.residual_accelerations), 1, squeeze=False)[:, 0]
+        for axes, one, record in zip(
+            grid, account.residual_accelerations, account.diagnosis.problem.recordings, strict=True
+        ):
             thin = slice(None, None, thinning(len(one.time)))
             band(axes, one.time, one.residual - 2.0 * one.deviation, one.residual + 2.0 * one.deviation)
             line(axes, one.time[thin], one.residual[thin], LEFT)
@@ -68,8 +70,8 @@ def _over_time(account: Account) -> Picture:
                 line(axes, one.time[thin], one.law[thin], LAW)
             axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
             low, high = np.percentile(np.concatenate((one.residual, one.law)), (0.3, 99.7))
-            room = 2.0 * float(np.median(one.deviation))
-            frame(axes, np.array([low - room, high + room]), margin=0.1, least=0.0)
+            envelope = 2.0 * float(np.median(one.deviation))
+            frame(axes, np.array([low - envelope, high + envelope]), margin=0.1, least=0.0)
             axes.set_xlim(one.time[0], one.time[-1])
             axes.set_title(record.name)
             axes.set_ylabel(_LABEL)
@@ -86,9 +88,11 @@ def _over_time(account: Account) -> Picture:
 
 
 def _against(account: Account) -> Picture:
-    use = [one.trusted for one in account.traces]
+    use = [one.trusted for one in account.residual_accelerations]
     joined = {
-        name: np.concatenate([getattr(one, name)[keep] for one, keep in zip(account.traces, use, strict=True)])
+        name: np.concatenate(
+            [getattr(one, name)[keep] for one, keep in zip(account.residual_accelerations, use, strict=True)]
+        )
         for name in ("position", "velocity", "angle", "residual", "law")
     }
     thin = slice(None, None, max(1, len(joined["law"]) // _MAX_DOTS))

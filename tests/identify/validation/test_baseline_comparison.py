@@ -12,7 +12,7 @@ from harness.identify.diagnosis import diagnose
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.window_errors import window_error
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of, stand_ins
+from harness.identify.problem.prepare import problem_of, unknown_effects
 from harness.identify.problem.windows import windows_of
 from harness.identify.validation.baseline_comparison import (
     AFTER,
@@ -108,9 +108,9 @@ def test_short_recordings_hold_no_compare_with_baselines(rolling: tuple[Posed, F
 def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
     """Stand in for K by a gain of the angle, and for α₀ by a level error, only where nobody knows them."""
     whole = KnownRig(mass=0.07, inertia=5e-6, radius=0.0132, rolling_radius=0.0118, eccentricity=0.0, gravity=9.81)
-    assert stand_ins(whole) == ()
-    assert stand_ins(replace(whole, rolling_radius=None)) == ("angle_gain", "level_error")
-    assert stand_ins(replace(whole, rolling_radius=None, level_angle=0.0)) == ("angle_gain",)
+    assert unknown_effects(whole) == ()
+    assert unknown_effects(replace(whole, rolling_radius=None)) == ("angle_gain", "level_error")
+    assert unknown_effects(replace(whole, rolling_radius=None, level_angle=0.0)) == ("angle_gain",)
 
 
 @needs_shared
