@@ -71,9 +71,10 @@ test-slow: $(INSTALLED) ## the tests that take minutes
 	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
 
 .PHONY: lint
-lint: $(INSTALLED) ## ruff: rules and format
+lint: $(INSTALLED) ## ruff: rules and format; import-linter: the floors of docs/development.md
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo --no-cache
 
 .PHONY: format
 format: $(INSTALLED) ## let ruff repair what it can
