@@ -15,9 +15,9 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
-from harness.benchmark.rows import Outcome
-from harness.benchmark.run import diagnosed
-from harness.benchmark.trials import plan
+from benchmarks.calibration.rows import Outcome
+from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.trials import plan
 from harness.cli.diagnose import as_record
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
