@@ -104,7 +104,7 @@ docs: $(INSTALLED) ## write docs/api.md from the docstrings
 
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
-	$(BIN)/python -m harness.benchmark --jobs $(JOBS) $(ARGS)
+	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
 
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock
@@ -119,4 +119,4 @@ lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer
 .PHONY: clean
 clean: ## remove .venv, builds and caches; reports stay
 	rm -rf .venv build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
-	find analytic harness mjcf urdf tests -name __pycache__ -prune -exec rm -rf {} +
+	find analytic benchmarks harness mjcf urdf tests -name __pycache__ -prune -exec rm -rf {} +

@@ -15,10 +15,10 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
+from benchmarks.calibration.rows import Outcome
+from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.trials import plan
 from harness.api.assemble import diagnosis_record
-from harness.benchmark.rows import Outcome
-from harness.benchmark.run import diagnosed
-from harness.benchmark.trials import plan
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
 from harness.identify.problem.prepare import problem_of
