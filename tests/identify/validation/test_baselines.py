@@ -137,7 +137,7 @@ def test_predictions_know_the_beginning_only(plain: Posed) -> None:
     windows = windows_of(plain.problem.recordings)
     for fitted in (fit_double_integrator(windows), fit_output_error(windows)):
         before = fitted.predict(windows[0])
-        reading = windows[0].record.reading.copy()
+        reading = windows[0].recording.reading.copy()
         reading[windows[0].use][windows[0].judged] += 0.1
         after = fitted.predict(replace(windows[0], recording=replace(windows[0].recording, reading=reading)))
         np.testing.assert_array_equal(before, after)
