@@ -26,7 +26,7 @@ from harness.progress import Progress, Stage, silent
 
 # Where each stage begins and ends as a share of the whole time, and about how many texts it tells: of a rig with one
 # hidden effect and two recordings of 8 s, on two cores.
-_SEARCH = (0.1, 0.5, 60.0)
+_SEARCH = (0.1, 0.5, 30.0)
 _VALIDATION = (0.5, 0.7, 5.0)
 _ENGINES = (0.7, 0.95, 10.0)
 

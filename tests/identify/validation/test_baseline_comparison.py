@@ -115,10 +115,10 @@ def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
 
 @needs_shared
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["daisy", "uts"])
-def test_measured_rigs_are_predicted_better_than_by_baselines(name: str) -> None:
-    """Predict held-out pieces of real rigs better than both baselines."""
-    case = load_case(RECORDINGS / name)
-    made = diagnose(problem_of(case)[0]).baselines
+@pytest.mark.parametrize(("name", "count"), [("daisy", 2), ("uts", 3)])
+def test_measured_rigs_are_predicted_better_than_by_baselines(name: str, count: int) -> None:
+    """Predict held-out pieces of real rigs better than both baselines, from their first recordings."""
+    problem = problem_of(load_case(RECORDINGS / name))[0]
+    made = diagnose(replace(problem, records=problem.records[:count])).baselines
     assert made is not None
     assert made.rms(AFTER) < min(made.rms(one) for one in BASELINES)
