@@ -74,7 +74,7 @@ def choose_to_discriminate(
     )
     if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
         return None
-    tried = {one.record.name: min(looked[one]) for one in simulated}
+    tried = {one.recording.name: min(looked[one]) for one in simulated}
     return _proposal(problem, found, envelope, chosen, separations, tried)
 
 
@@ -121,7 +121,7 @@ def choose_to_detect(
         for name, sigma, enough in zip(unseen, sigmas, needed, strict=True)
     )
     return _proposal(
-        problem, found, envelope, chosen, separations, {m.record.name: float(worth(s)[0]) for m, s in tried}
+        problem, found, envelope, chosen, separations, {m.recording.name: float(worth(s)[0]) for m, s in tried}
     )
 
 
@@ -189,11 +189,11 @@ def _proposal(
     separations: tuple[Separation, ...],
     tried: Mapping[str, float],
 ) -> Proposal:
-    (profile,) = (one for one in LIBRARY if one.name == made.record.name)
+    (profile,) = (one for one in LIBRARY if one.name == made.recording.name)
     return Proposal(
         profile,
-        made.record.time,
-        made.record.drive.states[:, 0],
+        made.recording.time,
+        made.recording.drive.states[:, 0],
         made.reading,
         separations,
         open_loop_drift(problem, found, made),

@@ -34,13 +34,13 @@ class SimulatedRun:
     """A move as a model expects it.
 
     Attributes:
-        record: stamps, the beam's motion, and the first reading alone.
+        recording: stamps, the beam's motion, and the first reading alone.
         reading: what the sensor would record without noise, shape (n,) [m].
         position: s, shape (n,) [m].
         size: by which the move was made smaller [1].
     """
 
-    record: PreparedRecording
+    recording: PreparedRecording
     reading: FloatArray
     position: FloatArray
     size: float
@@ -177,9 +177,9 @@ def _expect(
 ) -> SimulatedRun:
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
-    record = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
-    expected = run_filter(problem, record, repeated(values), process_noise, phase=0.0)
-    return SimulatedRun(record, expected.recorded, expected.state[:, 0], size)
+    recording = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
+    expected = run_filter(problem, recording, repeated(values), process_noise, phase=0.0)
+    return SimulatedRun(recording, expected.recorded, expected.state[:, 0], size)
 
 
 def repeated(values: Terms) -> Terms:

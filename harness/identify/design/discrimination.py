@@ -105,7 +105,7 @@ def _steady(interval: float, noise: float, process_noise: float, true: float) ->
 def mean_innovations(problem: Problem, made: SimulatedRun, values: Terms) -> FloatArray:
     """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
     at = repeated(values)
-    out = run_filter(problem, made.record, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
+    out = run_filter(problem, made.recording, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
     return out.innovation[1:]
 
 
@@ -121,7 +121,7 @@ def rival_deviance(
         noises: for the problem's sensor, the model's process noise first.
         rounds: Gauss–Newton steps.
     """
-    alone = replace(problem, recordings=(made.record,))
+    alone = replace(problem, recordings=(made.recording,))
     hypothesis = rival.hypothesis
     low, high = hypothesis.bounds(alone)
 
@@ -164,7 +164,7 @@ def open_loop_drift(problem: Problem, found: Fit, made: SimulatedRun) -> float:
 
     The process noise, integrated twice, and what the fit leaves open, one standard deviation along each axis of it.
     """
-    alone = replace(problem, recordings=(made.record,))
+    alone = replace(problem, recordings=(made.recording,))
     theta, size = _carried(problem, alone, found), len(found.hypothesis.parameters)
     scale = found.hypothesis.scale(alone)
     low, high = found.hypothesis.bounds(alone)
@@ -174,7 +174,7 @@ def open_loop_drift(problem: Problem, found: Fit, made: SimulatedRun) -> float:
         moved = theta.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
         at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
-        out = run_filter(problem, made.record, at, found.process_noise, phase=0.0)
+        out = run_filter(problem, made.recording, at, found.process_noise, phase=0.0)
         square += float(out.recorded[-1] - made.reading[-1]) ** 2
-    noise = found.process_noise * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
+    noise = found.process_noise * (made.recording.time[-1] - made.recording.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

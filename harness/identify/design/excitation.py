@@ -80,14 +80,14 @@ class OperatingEnvelope:
 def envelope_of(problem: Problem, length: float | None = None) -> OperatingEnvelope:
     """What the recordings show that the rig can do, and a fifth more; on a beam of known `length` [m] the ball may go
     up to 5 cm from either end, else no further than it went."""
-    ball = np.concatenate([record.reading[np.isfinite(record.reading)] for record in problem.recordings])
+    ball = np.concatenate([recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings])
     low, high = np.percentile(ball, _OUTER).tolist()
     if length is not None and low >= 0.0 and high <= length:  # it is counted from the beam's end
         low, high = min(low, _END), max(high, length - _END)
-    states = np.abs(np.concatenate([record.drive.states for record in problem.recordings]))
+    states = np.abs(np.concatenate([recording.drive.states for recording in problem.recordings]))
     angle = float(states[:, 0].max())
     rate, acceleration = np.percentile(states[:, 1:], _OUTER[1], axis=0).tolist()
-    interval = float(np.median(np.concatenate([np.diff(record.time) for record in problem.recordings])))
+    interval = float(np.median(np.concatenate([np.diff(recording.time) for recording in problem.recordings])))
     return OperatingEnvelope(
         low,
         high,

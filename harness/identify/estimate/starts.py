@@ -57,10 +57,10 @@ def _with_phases(
 ) -> FloatArray:
     """The parameters with the phases that are known or, one recording at a time, the likeliest of a few."""
     at, first = hypothesis.terms(theta, problem), len(hypothesis.parameters)
-    for n, record in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
-        phase = known.get(phase_key(record.name))
+    for n, recording in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
+        phase = known.get(phase_key(recording.name))
         if phase is None:
-            tried = [deviance_of(problem, record, at, process_noise, phase=float(one)) for one in _PHASES]
+            tried = [deviance_of(problem, recording, at, process_noise, phase=float(one)) for one in _PHASES]
             phase = float(_PHASES[np.argmin(tried)])
         theta[first + n] = phase
     return theta

@@ -115,10 +115,10 @@ def held_out_deviances(
 
 def _deviance(fold: Fold, fitted: Fit) -> float:
     """Of the held-out recording; its phase and process noise are its own."""
-    record: PreparedRecording = fold.left[0]
-    phase = phase_of(fold.problem, fitted, record, record.reading)
+    recording: PreparedRecording = fold.left[0]
+    phase = phase_of(fold.problem, fitted, recording, recording.reading)
     process_noises = fitted.process_noise * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, record, fitted.terms, one, phase=phase) for one in process_noises)
+    return min(deviance_of(fold.problem, recording, fitted.terms, one, phase=phase) for one in process_noises)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
@@ -163,9 +163,9 @@ def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:
         case Regressor.ROLL_ANGLE:
             return 0.0, 2.0 * np.pi
         case Regressor.ANGLE:
-            values = [record.table[:, 0] for record in problem.recordings]
+            values = [recording.table[:, 0] for recording in problem.recordings]
         case Regressor.POSITION:
-            values = [record.reading[np.isfinite(record.reading)] for record in problem.recordings]
+            values = [recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings]
         case Regressor.VELOCITY:
             runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.recordings)
             values = [run.state[known, 1] for run, known in runs]

@@ -96,9 +96,9 @@ def test_profiles_keep_the_limits(radius: Short) -> None:
     feasible = [one for one in made if one is not None]
     assert len(feasible) >= 0.8 * len(LIBRARY)
     for one in feasible:
-        assert np.all(np.abs(one.record.drive.states).max(axis=0) <= envelope.limits), one.record.name
-        assert envelope.low <= one.position.min() < one.position.max() <= envelope.high, one.record.name
-        assert np.ptp(one.position) > 0.05 * (envelope.high - envelope.low), one.record.name
+        assert np.all(np.abs(one.recording.drive.states).max(axis=0) <= envelope.limits), one.recording.name
+        assert envelope.low <= one.position.min() < one.position.max() <= envelope.high, one.recording.name
+        assert np.ptp(one.position) > 0.05 * (envelope.high - envelope.low), one.recording.name
 
 
 def test_the_ball_stays_on_the_beam_of_the_independent_rig(radius: Short, proposal: Proposal) -> None:

@@ -41,7 +41,7 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     gain, _ = frictionless.sensor(best.effects)
 
     def innovations(process_noise: float) -> FloatArray:
-        found = run_filter(frictionless, made.record, best, process_noise / gain**2, phase=0.0, reading=made.reading)
+        found = run_filter(frictionless, made.recording, best, process_noise / gain**2, phase=0.0, reading=made.reading)
         return found.innovation[1:]
 
     later = slice(round(2.0 / envelope.interval), None)
@@ -71,10 +71,10 @@ def test_a_wrong_process_noise_costs_what_is_claimed(radius: Short) -> None:
         noisy[0] = made.reading[0]
         deviances = []
         for process_noise in (float(steady_filters.process_noise[0]), float(steady_filters.process_noise[number])):
-            out = run_filter(frictionless, made.record, NOTHING, process_noise, reading=noisy)
+            out = run_filter(frictionless, made.recording, NOTHING, process_noise, reading=noisy)
             later = slice(round(4.0 / envelope.interval), None)  # steady by then
             deviances.append(negative_two_log_likelihood(out.innovation[later], out.innovation_variance[later]))
-        costs.append((deviances[1] - deviances[0]) / len(made.record.time[later]))
+        costs.append((deviances[1] - deviances[0]) / len(made.recording.time[later]))
     error = np.std(costs) / math.sqrt(len(costs))
     assert steady_filters.cost[number] > 10.0 * error  # else the comparison would say nothing
     assert abs(np.mean(costs) - steady_filters.cost[number]) < 3.0 * error

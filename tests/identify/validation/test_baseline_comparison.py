@@ -79,8 +79,8 @@ def test_the_model_knows_two_seconds_only(rolling: tuple[Posed, Fit, Fit]) -> No
         outside[window.use] = False
         return reading + 0.1 * outside
 
-    other = replace(window.record, reading=shifted(window.record.reading))
-    assert window_error(posed.problem, found, replace(window, record=other)) == window_error(
+    other = replace(window.recording, reading=shifted(window.recording.reading))
+    assert window_error(posed.problem, found, replace(window, recording=other)) == window_error(
         posed.problem, found, window
     )
 
