@@ -106,11 +106,11 @@ docs: $(INSTALLED) ## write docs/api.md from the docstrings
 calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
 
-# The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: sensitivity
 sensitivity: $(INSTALLED) ## halve and double every setting of the search on a few blind trials: docs/settings.md (half an hour)
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS) $(ARGS)
 
+# The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock
 lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)
 	@$(FIND_PYTHON); $$found -m venv --clear build/lock
