@@ -11,8 +11,8 @@ from analytic.motion import FloatArray
 from harness.identify.diagnosis import diagnose
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.window_errors import window_error
+from harness.identify.pose import problem_of, stand_ins
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of, stand_ins
 from harness.identify.problem.windows import windows_of
 from harness.identify.validation.baseline_comparison import (
     AFTER,
@@ -119,6 +119,6 @@ def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
 def test_measured_rigs_are_predicted_better_than_by_baselines(name: str) -> None:
     """Predict held-out pieces of real rigs better than both baselines."""
     case = load_case(RECORDINGS / name)
-    made = diagnose(problem_of(case)[0]).baselines
+    made = diagnose(problem_of(case)).baselines
     assert made is not None
     assert made.rms(AFTER) < min(made.rms(one) for one in BASELINES)
