@@ -21,7 +21,7 @@ from benchmarks.calibration.trials import plan
 from harness.api.assemble import diagnosis_record
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.simulator import Experiment, Plant, simulate, write_case
@@ -108,7 +108,7 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     """Find it, put it into both engines, which then predict better, and say it in its own words."""
     write_case(tmp_path / "case", Experiment(hidden={HOSE.name: VALUES}, duration=8.0, seed=1, predict=0))
     case = load_case(tmp_path / "case")
-    found = diagnose(problem_of(case)[0])
+    found = diagnose(problem_of(case))
     (effect,) = found.effects
     force = effect.parameters["force"]
     assert (effect.name, force.unit) == (HOSE.name, "N")
