@@ -10,8 +10,7 @@ from harness.api.effects import Given, beside_catalogue
 from harness.formatting import number
 from harness.identify.record import FILE, DiagnosisRecord, EffectRecord, RmsRecord, UnlistedRecord, read_record
 from harness.recording import Recording, Sensors, load_recording
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Row, Summarised, Summary, Table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -111,7 +111,7 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
 def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     """Print the law and both ends of the 95 % interval."""
     estimate = diagnosis.effects[0].parameters["coefficient"]
-    row = html[html.index("What was missing") :].split("</tr>")[1]
+    row = html[html.index("Effects found") :].split("</tr>")[1]
     assert "against rolling, set-valued" in row
     cells = [float(text) for text in re.findall(r"(?<![\d.])0\.00\d+", row)]
     assert cells == pytest.approx(

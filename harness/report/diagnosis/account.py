@@ -38,28 +38,17 @@ class Account:
     replay: str = ""
 
     @property
-    def simulated(self) -> bool:
-        """Whether the recordings are simulated, not measured."""
-        return (self.case.origin or "").lower().startswith("simulated")
-
-    @property
     def measured(self) -> str:
         """Legend label of the recordings."""
-        return "simulated recording" if self.simulated else "recorded"
-
-    @property
-    def case_name(self) -> str:
-        """Name of the case for headings."""
-        path = self.case.path.resolve()
-        return path.parent.name if path.name == "rig.toml" else path.stem
+        return "simulated recording" if self.case.simulated else "recorded"
 
     @property
     def subtitle(self) -> str:
         """Recordings, readings, origin."""
         records = self.diagnosis.problem.recordings
         spans = ", ".join(f"{one.name} ({brief(float(one.time[-1] - one.time[0]))} s)" for one in records)
-        parts = [spans, f"{self.diagnosis.problem.readings} positions"]
-        return "; ".join([*parts, f"origin: {self.case.origin}"] if self.case.origin else parts)
+        origin = [f"origin: {self.case.origin}"] if self.case.origin else []
+        return "; ".join([spans, f"{self.diagnosis.problem.readings} positions", *origin])
 
     @property
     def changed(self) -> bool:
