@@ -11,26 +11,12 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from tests.identify.selection.made import PRICE, READINGS, made
 
-READINGS = 1000
-PRICE = math.log(READINGS)
 C = Criterion()
-
-
-def made(score: float, *names: str, spline: bool = False, parameters: int | None = None) -> Fit:
-    """A fit whose criterion is `score`, with one parameter an effect unless told otherwise."""
-    spline = blank(Regressor.POSITION, False, 0.0, 1.0) if spline else None
-    count = len(names) if parameters is None else parameters
-    hypothesis = Hypothesis(names, spline)
-    overdispersion = 1.0 if spline else DEFAULT.overdispersion
-    deviance = (score - PRICE * count) * overdispersion
-    terms = Terms((), (), np.zeros(0), spline)
-    return Fit(hypothesis, np.zeros(count), terms, 1e-8, deviance, np.zeros((count, count)), READINGS)
 
 
 def test_the_price_of_a_parameter_is_log_n() -> None:
