@@ -1,4 +1,4 @@
-"""`harness diagnose`: what the model lacks, into diagnosis.json and a report."""
+"""`harness diagnose`: identify missing physics, write diagnosis.json and a report."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from harness.identify.record import FILE
 
 
 def diagnose_case(path: Path, *, out: Path | None, also: Sequence[Path], effects: Sequence[Path], as_json: bool) -> int:
-    """Diagnose a case, write its files, say the verdict; return the exit code. Options as of `harness.diagnose`.
+    """Diagnose a case, write the files, print the verdict; return the exit code. Options as for `harness.diagnose`.
 
     Raises:
-        InputError: anything the user gave cannot be used; nothing has been written then.
+        InputError: an input cannot be used; nothing has been written then.
     """
     folder = out or report_folder(path)
     made = diagnose(path, also=also, effects=effects, out=folder, jobs=os.cpu_count() or 1, progress=True)

@@ -1,4 +1,4 @@
-"""`harness predict`: ball positions from the angle alone, with the model that a diagnosis found."""
+"""`harness predict`: ball positions from the beam angle, with the model that a diagnosis identified."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Tuning constants of the identification: one frozen object, each field with its meaning and its reason.
-
-`docs/settings.md` lists them with a sensitivity run: what changes on blind trials when a field is halved or doubled.
-"""
+"""Tuning constants of the identification: one frozen object, each field with its meaning and its reason."""
 
 from __future__ import annotations
 
