@@ -1,4 +1,4 @@
-"""A new effect is one `Effect`: search, engines, report, virtual rig and blind trials take it as all others."""
+"""A new effect is one `Effect`: search, engines, report and virtual rig take it as all others."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.effects import Effect, Force, Parameter, Relations, TrialSize, acting, joined, parameters_with
+from analytic.effects import Effect, Force, Parameter, Relations, acting, joined, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
 from benchmarks.calibration.rows import Outcome
 from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.sizes import SCALES, Scale
 from benchmarks.calibration.trials import plan
 from harness.api.assemble import diagnosis_record
 from harness.errors import InputError
@@ -37,7 +38,6 @@ HOSE = Effect(
     force=Force("angle", lambda angle, force: force * np.sin(FREQUENCY * angle)),
     phrase="a hose that pulls with {force}",
     relations=Relations(nested_in=(("angle", False),)),
-    trial=TrialSize({"force": 0.008}, signed=True),
 )
 VALUES = {"force": 0.008}
 
@@ -94,8 +94,9 @@ def test_a_law_that_cannot_be_compiled_is_refused() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("plant", ["virtual_rig", "mujoco"])
-def test_blind_trials_find_it(plant: str) -> None:
-    """Plan trials of it, hide it on the virtual rig and in an engine's scene, and name it with its size."""
+def test_blind_trials_find_it(plant: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Given its size, plan trials of it, hide it on the virtual rig and in an engine's scene, and name it."""
+    monkeypatch.setitem(SCALES, HOSE.name, Scale(middle={"force": 0.008}, signed=True))
     every = plan(["confusion"], seeds=4, only=[HOSE.name])
     assert {one.size for one in every} == {"small", "middle", "large"}
     row = diagnosed(next(one for one in every if one.size == "middle" and one.plant == plant), "test")

@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from analytic.effects import Acting, motion_with, parameters_with
-from analytic.models import ORIGIN, Model
+from analytic.models import Model
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
+from analytic.slots import ORIGIN
 from harness.comparison.horizons import Horizon, horizons
 from harness.errors import InputError
 from harness.metrics import TOLERANCE
