@@ -15,10 +15,10 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
-from harness.benchmark.rows import Outcome
-from harness.benchmark.run import diagnosed
-from harness.benchmark.trials import plan
-from harness.cli.diagnose import as_record
+from benchmarks.calibration.rows import Outcome
+from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.trials import plan
+from harness.api.assemble import diagnosis_record
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
 from harness.identify.problem.prepare import problem_of
@@ -116,6 +116,6 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     for name in ("mujoco", "pybullet"):
         before, after = (found.engines[name][when]["rms_m"]["whole"] for when in ("before", "after"))
         assert after < 0.2 * before
-    page = render_diagnosis(found, as_record(found, case, 1.0, {}), case)
+    page = render_diagnosis(found, diagnosis_record(found, case, 1.0, {}), case)
     assert re.search(r"hose that pulls with 8\.\d+ ± 0\.\d+ mN", page)
     assert "hose pull" in page  # where it enters the engines' scenes

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.identify.design.choose import pairs_of, reveal, separate
+from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
 from harness.identify.design.proposal import Proposal
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.selection.candidates import hidden_by
@@ -26,7 +26,7 @@ from harness.progress import Progress, Stage, silent
 
 # Where each stage begins and ends as a share of the whole time, and about how many texts it tells: of a rig with one
 # hidden effect and two recordings of 8 s, on two cores.
-_SEARCH = (0.1, 0.5, 60.0)
+_SEARCH = (0.1, 0.5, 30.0)
 _VALIDATION = (0.5, 0.7, 5.0)
 _ENGINES = (0.7, 0.95, 10.0)
 
@@ -109,5 +109,5 @@ def _next_experiment(identified: Identification, length: float | None, progress:
     if identified.verdict in (Verdict.EFFECT, Verdict.UNLISTED):
         rivals = {one.name: one.indistinguishable_from for one in identified.effects}
         pairs = pairs_of(found, identified.ledger, rivals, Criterion(problem.settings))
-        return separate(problem, found, pairs, length=length) if pairs else None
-    return reveal(problem, found, identified.unseen, length=length) if identified.unseen else None
+        return choose_to_discriminate(problem, found, pairs, length=length) if pairs else None
+    return choose_to_detect(problem, found, identified.unseen, length=length) if identified.unseen else None

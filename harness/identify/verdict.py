@@ -10,7 +10,7 @@ from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.selection.candidates import candidates, found_in
+from harness.identify.selection.candidates import candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
@@ -98,7 +98,7 @@ def judge(problem: Problem, selection: Selection) -> Identification:
     criterion = Criterion(problem.settings)
     found = with_interval_covariance(problem, selection.found)
     unseen = _unseen(problem, selection.ledger, criterion)
-    names = found_in(problem, found)
+    names = selected_effects(problem, found)
     if found.hypothesis.spline is not None:
         verdict = Verdict.UNLISTED
     elif names:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from analytic.motion import State
-from harness.identify.design.choose import Pair
+from harness.identify.design.choose import RivalPair
 from harness.identify.design.proposal import NOTHING, Proposal
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
@@ -38,9 +38,9 @@ class Short:
     rival: Fit
 
     @property
-    def pair(self) -> Pair:
+    def pair(self) -> RivalPair:
         """The two."""
-        return Pair(
+        return RivalPair(
             *(" + ".join(one.hypothesis.names) or NOTHING for one in (self.found, self.rival)), self.rival, 2.45
         )
 

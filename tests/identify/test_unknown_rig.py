@@ -11,7 +11,7 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import candidates, found_in, hidden_by
+from harness.identify.selection.candidates import candidates, hidden_by, selected_effects
 from harness.identify.selection.criterion import Criterion
 from harness.identify.verdict import Verdict, identify
 from harness.recording import load_case
@@ -69,7 +69,7 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
 def test_what_stands_for_the_unknown_is_no_finding(open_problem: Problem, base: Fit) -> None:
     """Count it among no findings, and try neither it nor what no recording can tell from it."""
     assert base.hypothesis.names == ("angle_gain",)
-    assert found_in(open_problem, base) == ()
+    assert selected_effects(open_problem, base) == ()
     assert hidden_by(open_problem.unknown) == ("angle_gain", "rolling_radius", "position_gain")
     assert not {"angle_gain", "rolling_radius", "position_gain"} & set(candidates(open_problem))
     assert {"angle_gain", "rolling_radius", "position_gain", "level_error"} <= set(

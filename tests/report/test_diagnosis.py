@@ -20,7 +20,7 @@ from harness.identify.selection.criterion import Criterion, Decision, Evidence, 
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
 from harness.identify.validation.held_out import fit_folds, on_held_out, on_identify
-from harness.identify.validation.residual_acceleration import trace
+from harness.identify.validation.residual_acceleration import residual_acceleration
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.recording import load_case
@@ -172,7 +172,7 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
     problem, rig = diagnosis.problem, diagnosis.problem.rig
     for record in problem.recordings:
         ball = ball_of(case, case.recordings[record.name], record.drive, rig)
-        seen = trace(problem, diagnosis.found, record, ball)
+        seen = residual_acceleration(problem, diagnosis.found, record, ball)
         fast = np.abs(seen.velocity[:-1]) > 0.03  # the last stamp has no step of its own
         s, v, law = (each[:-1][fast] for each in (seen.position, seen.velocity, seen.law))
         angle, rate, angular = record.table[2 * record.grid.marks[:-1][fast] + 1, :3].T
@@ -189,7 +189,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
     """The law of no effect is zero, to the bit."""
     problem, record = diagnosis.problem, diagnosis.problem.recordings[0]
     ball = ball_of(case, case.recordings[record.name], record.drive, problem.rig)
-    assert not np.any(trace(problem, diagnosis.base, record, ball).law)
+    assert not np.any(residual_acceleration(problem, diagnosis.base, record, ball).law)
 
 
 def test_no_finding_needs_no_table(diagnosis, case):

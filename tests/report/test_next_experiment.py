@@ -8,12 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.identify.design.excitation import LIBRARY, Room
+from harness.identify.design.excitation import LIBRARY, OperatingEnvelope
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.report.diagnosis.experiment import section
 from harness.report.page import render_page
 
-ROOM = Room(low=0.2, high=0.45, angle=0.05, rate=0.3, acceleration=3.0, interval=0.02, pull=6.5)
+ROOM = OperatingEnvelope(low=0.2, high=0.45, angle=0.05, rate=0.3, acceleration=3.0, interval=0.02, pull=6.5)
 APART = (Separation("rolling_radius", "position_gain", 0.8, 7.4, 2.4), Separation("level_error", "pull", 2.0, 9.1, 2.4))
 SEEN = (Separation("position_lag", NOTHING, 0.0, 6.9, 3.7), Separation("contact_slip", NOTHING, 0.0, 0.1, 3.7))
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from analytic.effects import CATALOGUE, Acting
-from harness.identify.design.closed_loop import Rehearsed, rehearse, with_others
-from harness.identify.design.discrimination import Noises, drift, mean_innovations, regained
-from harness.identify.design.excitation import LIBRARY, Profile, Room, room_of
+from harness.identify.design.closed_loop import SimulatedRun, simulate_closed_loop, simulate_with_terms
+from harness.identify.design.discrimination import SteadyFilters, mean_innovations, open_loop_drift, rival_deviance
+from harness.identify.design.excitation import LIBRARY, OperatingEnvelope, Profile, envelope_of
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Terms
@@ -32,7 +32,7 @@ _EQUAL = 1.0  # of the deviance, within which two laws explain the same
 
 
 @dataclass(frozen=True)
-class Pair:
+class RivalPair:
     """A rival of the model found: what is to be told from what, its fit, and the σ from which on it is told."""
 
     found: str
@@ -41,29 +41,31 @@ class Pair:
     needed: float
 
 
-def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: float | None = None) -> Proposal | None:
+def choose_to_discriminate(
+    problem: Problem, found: Fit, pairs: Sequence[RivalPair], *, length: float | None = None
+) -> Proposal | None:
     """The move that separates `found` best from all its rivals; `None` where none is left to make that would tell more.
 
     Args:
         pairs: at least one.
         length: of the beam, where it is known [m].
     """
-    room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
+    envelope = envelope_of(problem, length)
+    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
     at_hand = [pair.fit.deviance - found.deviance for pair in pairs]
 
-    def attempt(profile: Profile) -> Rehearsed | None:
-        return rehearse(problem, found.terms, found.process_noise, profile, room)
+    def attempt(profile: Profile) -> SimulatedRun | None:
+        return simulate_closed_loop(problem, found.terms, found.process_noise, profile, envelope)
 
-    def apart(made: Rehearsed, rounds: int) -> list[float]:
-        new = [regained(problem, made, pair.fit, noises, rounds=rounds) for pair in pairs]
+    def apart(made: SimulatedRun, rounds: int) -> list[float]:
+        new = [rival_deviance(problem, made, pair.fit, steady_filters, rounds=rounds) for pair in pairs]
         return [_sigma(problem, old + more) for old, more in zip(at_hand, new, strict=True)]
 
-    rehearsed = [one for one in in_threads(attempt, LIBRARY) if one is not None]
-    if not rehearsed:
+    simulated = [one for one in in_threads(attempt, LIBRARY) if one is not None]
+    if not simulated:
         return None
-    looked = dict(zip(rehearsed, in_threads(partial(apart, rounds=1), rehearsed), strict=True))
-    best = sorted(rehearsed, key=lambda one: -min(looked[one]))[:_REFINED]
+    looked = dict(zip(simulated, in_threads(partial(apart, rounds=1), simulated), strict=True))
+    best = sorted(simulated, key=lambda one: -min(looked[one]))[:_REFINED]
     looked |= dict(zip(best, in_threads(partial(apart, rounds=_ROUNDS), best), strict=True))
     chosen = max(best, key=lambda one: min(looked[one]))
     separations = tuple(
@@ -72,11 +74,13 @@ def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: flo
     )
     if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
         return None
-    tried = {one.record.name: min(looked[one]) for one in rehearsed}
-    return _proposal(problem, found, room, chosen, separations, tried)
+    tried = {one.recording.name: min(looked[one]) for one in simulated}
+    return _proposal(problem, found, envelope, chosen, separations, tried)
 
 
-def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float | None = None) -> Proposal | None:
+def choose_to_detect(
+    problem: Problem, found: Fit, unseen: Sequence[str], *, length: float | None = None
+) -> Proposal | None:
     """The move that lets most of the effects `unseen` be seen at typical size; `None` where none shows any.
 
     Each effect makes the move in its own closed loop, for a ball with a level error would run off on the angle of
@@ -87,18 +91,20 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
         unseen: at least one effect of the catalogue.
         length: of the beam, where it is known [m].
     """
-    room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
-    typical = [_typical(found, name, room) for name in unseen]
+    envelope = envelope_of(problem, length)
+    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
+    typical = [_typical(found, name, envelope) for name in unseen]
     criterion = Criterion(problem.settings)
-    needed = [criterion.detection_limit(len(room.time), len(CATALOGUE[name].parameters)) for name in unseen]
+    needed = [criterion.detection_limit(len(envelope.time), len(CATALOGUE[name].parameters)) for name in unseen]
 
-    def attempt(profile: Profile) -> tuple[Rehearsed, list[float]] | None:
-        made = rehearse(problem, found.terms, found.process_noise, profile, room)
+    def attempt(profile: Profile) -> tuple[SimulatedRun, list[float]] | None:
+        made = simulate_closed_loop(problem, found.terms, found.process_noise, profile, envelope)
         if made is None:
             return None
-        others = (with_others(problem, one, found.process_noise, profile, room, made) for one in typical)
-        return made, [_sigma(problem, noises.deviance(mean_innovations(problem, one, found.terms))) for one in others]
+        others = (simulate_with_terms(problem, one, found.process_noise, profile, envelope, made) for one in typical)
+        return made, [
+            _sigma(problem, steady_filters.deviance(mean_innovations(problem, one, found.terms))) for one in others
+        ]
 
     def worth(sigmas: Sequence[float]) -> tuple[int, float]:
         shares = [one / enough for one, enough in zip(sigmas, needed, strict=True)]
@@ -114,12 +120,14 @@ def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float
         Separation(name, NOTHING, 0.0, sigma, enough)
         for name, sigma, enough in zip(unseen, sigmas, needed, strict=True)
     )
-    return _proposal(problem, found, room, chosen, separations, {m.record.name: float(worth(s)[0]) for m, s in tried})
+    return _proposal(
+        problem, found, envelope, chosen, separations, {m.recording.name: float(worth(s)[0]) for m, s in tried}
+    )
 
 
 def pairs_of(
     found: Fit, ledger: Sequence[Line], indistinguishable: Mapping[str, Sequence[str]], criterion: Criterion
-) -> list[Pair]:
+) -> list[RivalPair]:
     """What `found` is to be told from: the rivals of each effect that are not told apart, or else the nearest one.
 
     Args:
@@ -127,9 +135,9 @@ def pairs_of(
         criterion: by which two explanations are told apart.
     """
 
-    def pair(name: str, rival: str, fits: Sequence[Fit]) -> Pair:
+    def pair(name: str, rival: str, fits: Sequence[Fit]) -> RivalPair:
         nearest = min(fits, key=criterion.value)
-        return Pair(name, rival, nearest, criterion.rival_separation(nearest, found))
+        return RivalPair(name, rival, nearest, criterion.rival_separation(nearest, found))
 
     pairs = []
     for name, rivals in indistinguishable.items():
@@ -166,29 +174,29 @@ def _sigma(problem: Problem, deviance: float) -> float:
     return math.sqrt(max(deviance, 0.0) / problem.settings.overdispersion)
 
 
-def _typical(found: Fit, name: str, room: Room) -> Terms:
+def _typical(found: Fit, name: str, envelope: OperatingEnvelope) -> Terms:
     """What was found with one more effect of typical size, in the middle of the room where it has a place."""
     effect = CATALOGUE[name]
-    sizes = {one.name: room.middle if one.place else one.typical for one in effect.parameters}
+    sizes = {one.name: envelope.middle if one.place else one.typical for one in effect.parameters}
     return replace(found.terms, effects=(*found.terms.effects, Acting(effect, sizes)))
 
 
 def _proposal(
     problem: Problem,
     found: Fit,
-    room: Room,
-    made: Rehearsed,
+    envelope: OperatingEnvelope,
+    made: SimulatedRun,
     separations: tuple[Separation, ...],
     tried: Mapping[str, float],
 ) -> Proposal:
-    (profile,) = (one for one in LIBRARY if one.name == made.record.name)
+    (profile,) = (one for one in LIBRARY if one.name == made.recording.name)
     return Proposal(
         profile,
-        made.record.time,
-        made.record.drive.states[:, 0],
+        made.recording.time,
+        made.recording.drive.states[:, 0],
         made.reading,
         separations,
-        drift(problem, found, made),
+        open_loop_drift(problem, found, made),
         tried,
-        room,
+        envelope,
     )

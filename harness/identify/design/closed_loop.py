@@ -15,7 +15,7 @@ from analytic.effects import parameters_with, transmission_with
 from analytic.models import ORIGIN
 from analytic.motion import FloatArray
 from analytic.step import advance
-from harness.identify.design.excitation import Profile, Room
+from harness.identify.design.excitation import OperatingEnvelope, Profile
 from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -30,17 +30,17 @@ _ATTEMPTS = 5  # a move that the rig cannot make is tried smaller
 
 
 @dataclass(frozen=True, eq=False)
-class Rehearsed:
+class SimulatedRun:
     """A move as a model expects it.
 
     Attributes:
-        record: stamps, the beam's motion, and the first reading alone.
+        recording: stamps, the beam's motion, and the first reading alone.
         reading: what the sensor would record without noise, shape (n,) [m].
         position: s, shape (n,) [m].
         size: by which the move was made smaller [1].
     """
 
-    record: PreparedRecording
+    recording: PreparedRecording
     reading: FloatArray
     position: FloatArray
     size: float
@@ -93,38 +93,51 @@ def _play(
         beam, speed = next_beam, next_speed
 
 
-def rehearse(problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room) -> Rehearsed | None:
+def simulate_closed_loop(
+    problem: Problem, values: Terms, process_noise: float, profile: Profile, envelope: OperatingEnvelope
+) -> SimulatedRun | None:
     """What the model with these `values` expects of a profile; `None` where the ball cannot be kept in the room.
 
     A ball out of balance begins with φ₀ = 0; a curve of time is bound to its own recordings and is not expected again.
     """
     size = 1.0
-    for _ in range(_ATTEMPTS if room.usable else 0):
-        states, ball = _perform(problem, values, profile, room, size)
-        beyond = float(np.max(np.abs(ball - room.middle))) / room.reach
-        if beyond <= 1.0 and np.all(np.abs(states).max(axis=0) <= room.limits):
-            made = _expect(problem, values, process_noise, profile, room, size, states, ball)
-            if room.low <= made.position.min() and made.position.max() <= room.high:
+    for _ in range(_ATTEMPTS if envelope.usable else 0):
+        states, ball = _perform(problem, values, profile, envelope, size)
+        beyond = float(np.max(np.abs(ball - envelope.middle))) / envelope.reach
+        if beyond <= 1.0 and np.all(np.abs(states).max(axis=0) <= envelope.limits):
+            made = _expect(problem, values, process_noise, profile, envelope, size, states, ball)
+            if envelope.low <= made.position.min() and made.position.max() <= envelope.high:
                 return made
         size *= min(0.9, 0.95 / beyond)
     return None
 
 
-def with_others(
-    problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room, made: Rehearsed
-) -> Rehearsed:
+def simulate_with_terms(
+    problem: Problem,
+    values: Terms,
+    process_noise: float,
+    profile: Profile,
+    envelope: OperatingEnvelope,
+    made: SimulatedRun,
+) -> SimulatedRun:
     """The same move, of the same size, where other `values` act: the feedback then turns the beam otherwise."""
     return _expect(
-        problem, values, process_noise, profile, room, made.size, *_perform(problem, values, profile, room, made.size)
+        problem,
+        values,
+        process_noise,
+        profile,
+        envelope,
+        made.size,
+        *_perform(problem, values, profile, envelope, made.size),
     )
 
 
 def _perform(
-    problem: Problem, values: Terms, profile: Profile, room: Room, size: float
+    problem: Problem, values: Terms, profile: Profile, envelope: OperatingEnvelope, size: float
 ) -> tuple[FloatArray, FloatArray]:
     """States of the measured angle, shape (n, 3), and where the ball is, shape (n,) [m]."""
-    move, push = profile.move(room.time, room)
-    target, push = room.middle + size * move, size * push
+    move, push = profile.move(envelope.time, envelope)
+    target, push = envelope.middle + size * move, size * push
     effects = (*problem.declared, *values.effects)
     p = parameters_with(problem.model, problem.rig, effects)
     p[ORIGIN] = target[0]
@@ -134,17 +147,17 @@ def _perform(
     transmission = transmission_with(effects)
     states, ball = np.empty((len(target), 3)), np.empty(len(target))
     # As stiff as readings this far apart allow, and no stiffer than its acceleration is good for.
-    servo = min(_STIFFEST, 0.5 / room.interval, np.sqrt(_SOFTER * room.acceleration / room.angle))
+    servo = min(_STIFFEST, 0.5 / envelope.interval, np.sqrt(_SOFTER * envelope.acceleration / envelope.angle))
     _play(
         target,
         push,
-        room.interval,
+        envelope.interval,
         p,
         transmission.gain,
         0.5 * transmission.play,
         profile.hold,
-        room.pull,
-        _SHARE * room.limits,
+        envelope.pull,
+        _SHARE * envelope.limits,
         servo,
         states,
         ball,
@@ -157,16 +170,16 @@ def _expect(
     values: Terms,
     process_noise: float,
     profile: Profile,
-    room: Room,
+    envelope: OperatingEnvelope,
     size: float,
     states: FloatArray,
     ball: FloatArray,
-) -> Rehearsed:
+) -> SimulatedRun:
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
-    record = PreparedRecording(profile.name, room.time, reading, drive_through(room.time, states))
-    expected = run_filter(problem, record, repeated(values), process_noise, phase=0.0)
-    return Rehearsed(record, expected.recorded, expected.state[:, 0], size)
+    recording = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
+    expected = run_filter(problem, recording, repeated(values), process_noise, phase=0.0)
+    return SimulatedRun(recording, expected.recorded, expected.state[:, 0], size)
 
 
 def repeated(values: Terms) -> Terms:

@@ -16,7 +16,7 @@ from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
-from harness.identify.design.closed_loop import Rehearsed, repeated
+from harness.identify.design.closed_loop import SimulatedRun, repeated
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
 from harness.identify.filter.run import run_filter
@@ -35,7 +35,7 @@ _OPEN = 1e-4  # with which the filter runs: wrong numbers then leave innovations
 
 
 @dataclass(frozen=True)
-class Noises:
+class SteadyFilters:
     """Steady filters of one sensor, one for each density of the process noise.
 
     Attributes:
@@ -53,7 +53,7 @@ class Noises:
     open: FloatArray
 
     @classmethod
-    def of(cls, interval: float, noise: float, process_noise: float) -> Noises:
+    def of(cls, interval: float, noise: float, process_noise: float) -> SteadyFilters:
         """For readings every `interval` [s] of variance `noise` [m²], where the process noise truly has `density`."""
         noise = max(noise, _LEAST_NOISE)
         count = max(math.ceil(math.log(_LARGEST / process_noise) / _APART), 0) + 1
@@ -95,17 +95,23 @@ def _steady(interval: float, noise: float, process_noise: float, true: float) ->
     gain = F @ P[:, :1] / variance
     closed = F - gain @ np.array([[1.0, 0.0]])
     error = solve_discrete_lyapunov(closed, true * white + noise * gain @ gain.T)
-    return variance, float(error[0, 0]) + noise, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
+    return (
+        variance,
+        float(error[0, 0]) + noise,
+        np.array([1.0, -np.trace(closed), np.linalg.det(closed)]),
+    )
 
 
-def mean_innovations(problem: Problem, made: Rehearsed, values: Terms) -> FloatArray:
+def mean_innovations(problem: Problem, made: SimulatedRun, values: Terms) -> FloatArray:
     """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
     at = repeated(values)
-    out = run_filter(problem, made.record, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
+    out = run_filter(problem, made.recording, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
     return out.innovation[1:]
 
 
-def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, rounds: int = 1) -> float:
+def rival_deviance(
+    problem: Problem, made: SimulatedRun, rival: Fit, steady_filters: SteadyFilters, *, rounds: int = 1
+) -> float:
     """What a new recording adds to a rival's deviance over that of the model which the recording is expected from.
 
     The rival's numbers and process noise are fitted to the new recording alone. Recordings diagnosed together are
@@ -115,7 +121,7 @@ def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, r
         noises: for the problem's sensor, the model's process noise first.
         rounds: Gauss–Newton steps.
     """
-    alone = replace(problem, recordings=(made.record,))
+    alone = replace(problem, recordings=(made.recording,))
     hypothesis = rival.hypothesis
     low, high = hypothesis.bounds(alone)
 
@@ -127,15 +133,15 @@ def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, r
         turned = theta + np.outer(_PHASES, np.arange(len(theta)) == len(hypothesis.parameters))
         theta = min(turned, key=lambda each: float(np.sum(misses(each) ** 2)))
     here = misses(theta)
-    least = noises.deviance(here)
+    least = steady_filters.deviance(here)
     for _ in range(rounds if len(theta) else 0):
         moves = np.diag(np.where(theta + _STEP <= high, _STEP, -_STEP))
         slopes = np.column_stack([(misses(theta + move) - here) / move.sum() for move in moves])
-        step = noises.step(here, slopes)
+        step = steady_filters.step(here, slopes)
         for share in _SHARES:
             end = np.clip(theta + share * step, low, high)
             there = misses(end)
-            deviance = noises.deviance(there)
+            deviance = steady_filters.deviance(there)
             if deviance < least:
                 theta, here, least = end, there, deviance
                 break
@@ -153,12 +159,12 @@ def _carried(problem: Problem, alone: Problem, rival: Fit) -> FloatArray:
     return np.concatenate((rival.theta[:effects], [0.0], rival.theta[effects + more + 1 :]))
 
 
-def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
+def open_loop_drift(problem: Problem, found: Fit, made: SimulatedRun) -> float:
     """How far the ball may be from where it is expected at the end, if nobody corrects the angle [m].
 
     The process noise, integrated twice, and what the fit leaves open, one standard deviation along each axis of it.
     """
-    alone = replace(problem, recordings=(made.record,))
+    alone = replace(problem, recordings=(made.recording,))
     theta, size = _carried(problem, alone, found), len(found.hypothesis.parameters)
     scale = found.hypothesis.scale(alone)
     low, high = found.hypothesis.bounds(alone)
@@ -168,7 +174,7 @@ def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
         moved = theta.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
         at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
-        out = run_filter(problem, made.record, at, found.process_noise, phase=0.0)
+        out = run_filter(problem, made.recording, at, found.process_noise, phase=0.0)
         square += float(out.recorded[-1] - made.reading[-1]) ** 2
-    noise = found.process_noise * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
+    noise = found.process_noise * (made.recording.time[-1] - made.recording.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

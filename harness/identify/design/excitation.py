@@ -24,7 +24,7 @@ _FASTEST = 200.0  # [Hz]: readings that come faster say little more of the moves
 
 
 @dataclass(frozen=True)
-class Room:
+class OperatingEnvelope:
     """What a rig is known to do, for nobody declares its limits.
 
     Attributes:
@@ -77,18 +77,18 @@ class Room:
         return float(min(limits))
 
 
-def room_of(problem: Problem, length: float | None = None) -> Room:
+def envelope_of(problem: Problem, length: float | None = None) -> OperatingEnvelope:
     """What the recordings show that the rig can do, and a fifth more; on a beam of known `length` [m] the ball may go
     up to 5 cm from either end, else no further than it went."""
-    ball = np.concatenate([record.reading[np.isfinite(record.reading)] for record in problem.recordings])
+    ball = np.concatenate([recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings])
     low, high = np.percentile(ball, _OUTER).tolist()
     if length is not None and low >= 0.0 and high <= length:  # it is counted from the beam's end
         low, high = min(low, _END), max(high, length - _END)
-    states = np.abs(np.concatenate([record.drive.states for record in problem.recordings]))
+    states = np.abs(np.concatenate([recording.drive.states for recording in problem.recordings]))
     angle = float(states[:, 0].max())
     rate, acceleration = np.percentile(states[:, 1:], _OUTER[1], axis=0).tolist()
-    interval = float(np.median(np.concatenate([np.diff(record.time) for record in problem.recordings])))
-    return Room(
+    interval = float(np.median(np.concatenate([np.diff(recording.time) for recording in problem.recordings])))
+    return OperatingEnvelope(
         low,
         high,
         _HEADROOM * angle,
@@ -99,7 +99,7 @@ def room_of(problem: Problem, length: float | None = None) -> Room:
     )
 
 
-Move = Callable[[FloatArray, Room], tuple[FloatArray, FloatArray]]
+Move = Callable[[FloatArray, OperatingEnvelope], tuple[FloatArray, FloatArray]]
 """(stamps, shape (n,) [s], room) -> where the ball should be, relative to the middle [m], and what is added to the beam
 angle that keeps it there [rad], shape (n,) each."""
 
@@ -130,9 +130,9 @@ def _envelope(time: FloatArray, span: float = 1.0) -> FloatArray:
 def _swing(share: float, period: float | None) -> Move:
     """A sine over a share of the reach; as quick as the rig allows where no period is given [s]."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        amplitude = share * room.reach
-        most = room.quickest(amplitude)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        amplitude = share * envelope.reach
+        most = envelope.quickest(amplitude)
         omega = most if period is None else min(2.0 * np.pi / period, most)
         return amplitude * _envelope(time) * np.sin(omega * time), np.zeros_like(time)
 
@@ -142,16 +142,16 @@ def _swing(share: float, period: float | None) -> Move:
 def _places(shares: tuple[float, ...], share: float = 0.0) -> Move:
     """From place to place, each a share of the reach from the middle, and a swing of `share` of the reach at each."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
         dwell = DURATION / len(shares)
         number = np.minimum((time / dwell).astype(int), len(shares) - 1)
         before = np.array([0.0, *shares])[number]
         after = np.array(shares)[number]
         since = time - dwell * number
-        quick = np.pi / room.quickest(0.5 * room.reach * max(np.ptp([0.0, *shares]), 0.2))
+        quick = np.pi / envelope.quickest(0.5 * envelope.reach * max(np.ptp([0.0, *shares]), 0.2))
         target = before + (after - before) * _envelope(since, min(quick, 0.8 * dwell))
-        swing = share * np.sin(room.quickest(share * room.reach) * time) if share else 0.0
-        return room.reach * (target + swing), np.zeros_like(time)
+        swing = share * np.sin(envelope.quickest(share * envelope.reach) * time) if share else 0.0
+        return envelope.reach * (target + swing), np.zeros_like(time)
 
     return move
 
@@ -159,9 +159,9 @@ def _places(shares: tuple[float, ...], share: float = 0.0) -> Move:
 def _ramps(share: float, period: float) -> Move:
     """To and fro at constant speed."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
         wave = 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
-        return share * room.reach * wave, np.zeros_like(time)
+        return share * envelope.reach * wave, np.zeros_like(time)
 
     return move
 
@@ -169,9 +169,9 @@ def _ramps(share: float, period: float) -> Move:
 def _chirp(share: float) -> Move:
     """A sine that grows from slow to as quick as the rig allows."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        amplitude = share * room.reach
-        slow, quick = 0.5, max(room.quickest(amplitude), 0.5)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        amplitude = share * envelope.reach
+        slow, quick = 0.5, max(envelope.quickest(amplitude), 0.5)
         phase = slow * time + 0.5 * (quick - slow) * time**2 / DURATION
         return amplitude * _envelope(time) * np.sin(phase), np.zeros_like(time)
 
@@ -181,9 +181,9 @@ def _chirp(share: float) -> Move:
 def _sines(share: float) -> Move:
     """Four sines together, with the phases of Schroeder (IEEE Trans. Information Theory 16, 1970): a flat sum."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        each = 0.5 * share * room.reach
-        quick = room.quickest(2.0 * each)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        each = 0.5 * share * envelope.reach
+        quick = envelope.quickest(2.0 * each)
         number = np.arange(4)
         waves = np.sin(np.outer(time, quick * (0.25 + 0.25 * number)) - np.pi * number * (number + 1) / 4)
         return each * _envelope(time) * (waves - waves[0]).sum(axis=1) / 1.5, np.zeros_like(time)
@@ -194,13 +194,14 @@ def _sines(share: float) -> Move:
 def _shaken(share: float, shares: tuple[float, ...], lowest: float, highest: float) -> Move:
     """The beam is shaken by `share` of its angle, slowly to quickly [rad/s], while the ball is held place by place."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        target, _ = _places(shares)(time, room)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        target, _ = _places(shares)(time, envelope)
         omega = np.geomspace(lowest, highest, 4)
         number = np.arange(4)
         # As large as the servo's rate and acceleration allow at each frequency.
         size = np.minimum(
-            0.25 * share * room.angle, np.minimum(0.2 * room.rate / omega, 0.2 * room.acceleration / omega**2)
+            0.25 * share * envelope.angle,
+            np.minimum(0.2 * envelope.rate / omega, 0.2 * envelope.acceleration / omega**2),
         )
         waves = np.sin(np.outer(time, omega) - np.pi * number * (number + 1) / 4) @ size
         return target, _envelope(time) * waves
@@ -211,8 +212,8 @@ def _shaken(share: float, shares: tuple[float, ...], lowest: float, highest: flo
 def _tilts(share: float, period: float) -> Move:
     """The beam is tilted slowly to and fro through the level, against a loosely held ball."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        push = share * room.angle * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        push = share * envelope.angle * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
         return np.zeros_like(time), push
 
     return move

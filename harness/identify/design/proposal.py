@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from analytic.motion import FloatArray
-from harness.identify.design.excitation import Profile, Room
+from harness.identify.design.excitation import OperatingEnvelope, Profile
 
 NOTHING = "nothing"
 """The rival of an effect that is to be seen at all."""
@@ -67,9 +67,9 @@ class Proposal:
     angle: FloatArray
     reading: FloatArray
     separations: tuple[Separation, ...]
-    drift: float
+    open_loop_drift: float
     tried: Mapping[str, float]
-    room: Room
+    envelope: OperatingEnvelope
 
     def table(self) -> dict[str, FloatArray]:
         """`time_s, beam_angle_rad`, and the `ball_position_m` to be expected."""

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares, minimize_scalar
 from analytic.motion import FloatArray
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
 from harness.identify.filter.residuals import Residuals
-from harness.identify.problem.hypothesis import Hypothesis, Terms, phase_of
+from harness.identify.problem.hypothesis import Hypothesis, Terms, phase_key
 from harness.identify.problem.problem import Problem
 
 TWO_SIDED = 1.96  # standard deviations to either side hold 95 % of what is normal
@@ -66,7 +66,7 @@ class Fit:
         values = {(one.effect.name, key): value for one in self.terms.effects for key, value in one.values.items()}
         if self.hypothesis.turning:
             values |= {
-                phase_of(name): phase for name, phase in zip(self.terms.recordings, self.terms.phases, strict=True)
+                phase_key(name): phase for name, phase in zip(self.terms.recordings, self.terms.phases, strict=True)
             }
         return values
 

@@ -9,14 +9,14 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.filter.run import deviance, deviance_of
-from harness.identify.problem.hypothesis import Hypothesis, phase_of
+from harness.identify.problem.hypothesis import Hypothesis, phase_key
 from harness.identify.problem.problem import Problem
 
 _PHASES = 2.0 * np.pi / 8 * np.arange(8)  # of φ₀ that are tried [rad]: no further than 22° from the likeliest
 _SCREENED = 3  # starting points that are screened: of many places, the likeliest
 
 Known = Mapping[tuple[str, str], float]
-"""Values by (effect, parameter), and phases by `phase_of` a recording."""
+"""Values by (effect, parameter), and phases by `phase_key` a recording."""
 
 
 def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, process_noise: float) -> list[FloatArray]:
@@ -57,10 +57,10 @@ def _with_phases(
 ) -> FloatArray:
     """The parameters with the phases that are known or, one recording at a time, the likeliest of a few."""
     at, first = hypothesis.terms(theta, problem), len(hypothesis.parameters)
-    for n, record in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
-        phase = known.get(phase_of(record.name))
+    for n, recording in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
+        phase = known.get(phase_key(recording.name))
         if phase is None:
-            tried = [deviance_of(problem, record, at, process_noise, phase=float(one)) for one in _PHASES]
+            tried = [deviance_of(problem, recording, at, process_noise, phase=float(one)) for one in _PHASES]
             phase = float(_PHASES[np.argmin(tried)])
         theta[first + n] = phase
     return theta

@@ -17,9 +17,9 @@ _DENSITIES = 10.0 ** np.arange(-9.0, -1.0)  # of the process noise that are trie
 
 def window_error(problem: Problem, found: Fit, window: Window) -> float:
     """RMS error over the judged part of a window [m]."""
-    reading = np.full_like(window.record.reading, np.nan)
+    reading = np.full_like(window.recording.reading, np.nan)
     reading[window.use] = np.where(window.known, window.reading, np.nan)
-    return window.rms_error(filtered(problem, found, window.record, reading).recorded[window.use])
+    return window.rms_error(filtered(problem, found, window.recording, reading).recorded[window.use])
 
 
 def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[float]:

@@ -44,7 +44,9 @@ class FilterRun:
         return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
 
 
-def dynamics(problem: Problem, record: PreparedRecording, added: Terms, phase: float) -> tuple[FloatArray, FloatArray]:
+def dynamics(
+    problem: Problem, recording: PreparedRecording, added: Terms, phase: float
+) -> tuple[FloatArray, FloatArray]:
     """The kernel's vector, shape (SLOTS,), and the beam's table of one recording.
 
     Args:
@@ -53,17 +55,17 @@ def dynamics(problem: Problem, record: PreparedRecording, added: Terms, phase: f
     """
     every = (*problem.declared, *added.effects)
     p = parameters_with(problem.model, problem.rig, every, phase=phase)
-    p[ORIGIN] = record.origin / problem.sensor(added.effects)[0]
-    table = record.table_with(every)
+    p[ORIGIN] = recording.origin / problem.sensor(added.effects)[0]
+    table = recording.table_with(every)
     if added.spline is not None:
         added.spline.write(p, phase)
-        table = added.spline.load(table, record.times, problem.rig.gravity)
+        table = added.spline.load(table, recording.times, problem.rig.gravity)
     return p, table
 
 
 def run_filter(
     problem: Problem,
-    record: PreparedRecording,
+    recording: PreparedRecording,
     added: Terms,
     process_noise: float,
     *,
@@ -79,9 +81,9 @@ def run_filter(
         reading: other readings than the recording's, shape (n,), NaN where there is none [m].
     """
     gain, lag = problem.sensor(added.effects)
-    p, table = dynamics(problem, record, added, added.phase_of(record.name) if phase is None else phase)
-    readings = Readings(record.time, record.reading if reading is None else reading)
-    beam = BeamTable(record.grid.steps, record.grid.marks, table)
+    p, table = dynamics(problem, recording, added, added.phase_of(recording.name) if phase is None else phase)
+    readings = Readings(recording.time, recording.reading if reading is None else reading)
+    beam = BeamTable(recording.grid.steps, recording.grid.marks, table)
     return FilterRun(
         *extended_kalman_filter(readings, beam, p, Sensor(gain, lag, problem.reading_variance), process_noise),
         gain,
@@ -105,7 +107,7 @@ def deviance(problem: Problem, added: Terms, process_noise: float) -> float:
 
 def deviance_of(
     problem: Problem,
-    record: PreparedRecording,
+    recording: PreparedRecording,
     added: Terms,
     process_noise: float,
     *,
@@ -113,8 +115,8 @@ def deviance_of(
     reading: FloatArray | None = None,
 ) -> float:
     """The same of one recording; arguments as of `run_filter`."""
-    run = run_filter(problem, record, added, process_noise, phase=phase, reading=reading)
-    use = record.judged if reading is None else predicted(reading)
+    run = run_filter(problem, recording, added, process_noise, phase=phase, reading=reading)
+    use = recording.judged if reading is None else predicted(reading)
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])
 
 

@@ -17,9 +17,9 @@ from harness.identify.problem.spline_term import SplineTerm
 _UNEVEN = {False: 1.0, True: 3.0}
 
 
-def phase_of(record: str) -> tuple[str, str]:
+def phase_key(recording: str) -> tuple[str, str]:
     """Key of φ₀ of a recording among known values."""
-    return "", f"phase of {record}"
+    return "", f"phase of {recording}"
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class Terms:
     phases: FloatArray
     spline: SplineTerm | None
 
-    def phase_of(self, record: str) -> float:
+    def phase_of(self, recording: str) -> float:
         """φ₀ of a recording by name [rad]; 0 of one that these values are not of."""
-        return float(self.phases[self.recordings.index(record)]) if record in self.recordings else 0.0
+        return float(self.phases[self.recordings.index(recording)]) if recording in self.recordings else 0.0
 
 
 NOTHING = Terms((), (), np.zeros(0), None)
@@ -115,4 +115,4 @@ class Hypothesis:
             at += len(effect.parameters)
         phases = values[at : at + len(problem.recordings)] if self.turning else np.zeros(len(problem.recordings))
         spline = replace(self.spline, nodes=values[-len(self.spline.nodes) :]) if self.spline else None
-        return Terms(tuple(record.name for record in problem.recordings), tuple(acting), phases, spline)
+        return Terms(tuple(recording.name for recording in problem.recordings), tuple(acting), phases, spline)

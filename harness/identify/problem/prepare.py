@@ -39,10 +39,10 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> tuple[Problem,
         records.append(record)
         variances.append(noise**2)
     noise = float(np.mean(variances))
-    return Problem(tuple(records), setting.rig, setting.acting, noise, unknown=stand_ins(case.rig)), setting
+    return Problem(tuple(records), setting.rig, setting.acting, noise, unknown=unknown_effects(case.rig)), setting
 
 
-def stand_ins(known: KnownRig) -> tuple[str, ...]:
+def unknown_effects(known: KnownRig) -> tuple[str, ...]:
     """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle."""
     open_ = missing(known)
     if open_ and known.level_angle is None:

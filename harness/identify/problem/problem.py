@@ -94,12 +94,12 @@ class Problem:
     @property
     def readings(self) -> int:
         """Number of readings that count."""
-        return sum(int(np.isfinite(record.reading).sum()) for record in self.recordings)
+        return sum(int(np.isfinite(recording.reading).sum()) for recording in self.recordings)
 
     @cached_property
     def visited(self) -> FloatArray:
         """All positions that were read, shape (readings,) [m]."""
-        return np.concatenate([record.reading[np.isfinite(record.reading)] for record in self.recordings])
+        return np.concatenate([recording.reading[np.isfinite(recording.reading)] for recording in self.recordings])
 
     @cached_property
     def angle_floor(self) -> float:
@@ -108,11 +108,11 @@ class Problem:
         It is what the process noise of a model that lacks nothing comes to.
         """
         process_noises = []
-        for record in self.recordings:
-            step = float(np.median(np.diff(record.time)))
+        for recording in self.recordings:
+            step = float(np.median(np.diff(recording.time)))
             span = max(int(_FLOOR_SPAN / step), 1)
-            for path in record.drive.draw(_FLOOR_DRAWS, seed=0):
-                error = path.states[:, 0] - record.drive.states[:, 0]
+            for path in recording.drive.draw(_FLOOR_DRAWS, seed=0):
+                error = path.states[:, 0] - recording.drive.states[:, 0]
                 turned = np.cumsum(error) * step
                 process_noises.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
         return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(process_noises)))

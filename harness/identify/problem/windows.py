@@ -25,24 +25,24 @@ class Window:
     """A stretch of a recording.
 
     Attributes:
-        record: the recording.
+        recording: the recording.
         begin: of the known part, a time of the recording [s].
         use: its stamps, a slice of the recording's n.
     """
 
-    record: PreparedRecording
+    recording: PreparedRecording
     begin: float
     use: slice
 
     @property
     def time(self) -> FloatArray:
         """Stamps since its begin, shape (m,) [s]."""
-        return self.record.time[self.use] - self.begin
+        return self.recording.time[self.use] - self.begin
 
     @property
     def reading(self) -> FloatArray:
         """Positions, NaN where there is none that counts, shape (m,) [m]."""
-        return self.record.reading[self.use]
+        return self.recording.reading[self.use]
 
     @cached_property
     def known(self) -> NDArray[np.bool_]:
@@ -67,7 +67,7 @@ class Window:
     @cached_property
     def angle(self) -> FloatArray:
         """α at the grid, shape (k,) [rad]."""
-        return self.record.drive.evaluate(np.minimum(self.begin + self.grid, self.record.time[-1]))
+        return self.recording.drive.evaluate(np.minimum(self.begin + self.grid, self.recording.time[-1]))
 
     def at_stamps(self, columns: Sequence[FloatArray]) -> FloatArray:
         """Signals on the grid, each of shape (k,), at the stamps: shape (m, number of signals)."""
@@ -78,14 +78,14 @@ class Window:
         return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
 
 
-def windows_of(records: Sequence[PreparedRecording]) -> tuple[Window, ...]:
+def windows_of(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...]:
     """All windows with 2 s known and 3 s to be predicted, one after the other; the predicted parts do not overlap."""
     found = []
-    for record in records:
-        time = record.time - record.time[0]
+    for recording in recordings:
+        time = recording.time - recording.time[0]
         for i in range(int((time[-1] - KNOWN) / AHEAD + _ROUNDING)):
             first, last = np.searchsorted(time, np.array([i * AHEAD, i * AHEAD + KNOWN + AHEAD]) - _ROUNDING)
-            window = Window(record, float(record.time[0]) + i * AHEAD, slice(int(first), int(last)))
+            window = Window(recording, float(recording.time[0]) + i * AHEAD, slice(int(first), int(last)))
             if window.known.sum() >= _FEWEST and window.judged.sum() >= _FEWEST:
                 found.append(window)
     return tuple(found)
@@ -119,22 +119,23 @@ class Fold:
     @property
     def title(self) -> str:
         """Names of what is held out."""
-        return ", ".join(record.name for record in self.left)
+        return ", ".join(recording.name for recording in self.left)
 
 
 def folds(problem: Problem) -> list[Fold]:
     """Each recording held out in turn; of a single one, either half of its positions."""
-    records = problem.recordings
-    if len(records) > 1:
-        parts = [(tuple(r for r in records if r is not left), left) for left in records]
+    recordings = problem.recordings
+    if len(recordings) > 1:
+        parts = [(tuple(r for r in recordings if r is not left), left) for left in recordings]
     else:
-        (one,) = records
-        known = np.flatnonzero(np.isfinite(one.reading))
-        middle = int(known[len(known) // 2])  # of what is known: there may be nothing after its first seconds
-        first, second = _piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))
+        (whole,) = recordings
+        known = np.flatnonzero(np.isfinite(whole.reading))
+        middle = int(known[len(known) // 2])  # of the known readings: all of them may lie in the first seconds
+        first, second = _part(whole, "first half", slice(0, middle)), _part(whole, "second half", slice(middle, None))
         parts = [((first,), second), ((second,), first)]
     return [Fold(replace(problem, recordings=rest), (left,)) for rest, left in parts]
 
 
-def _piece(record: PreparedRecording, part: str, where: slice) -> PreparedRecording:
-    return PreparedRecording(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)
+def _part(whole: PreparedRecording, name: str, stamps: slice) -> PreparedRecording:
+    """The recording at some of its stamps."""
+    return PreparedRecording(f"{whole.name}, {name}", whole.time[stamps], whole.reading[stamps], whole.drive)

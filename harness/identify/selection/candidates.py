@@ -47,7 +47,7 @@ def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
     return tuple(hidden)
 
 
-def found_in(problem: Problem, one: Fit) -> tuple[str, ...]:
+def selected_effects(problem: Problem, one: Fit) -> tuple[str, ...]:
     """Effects of a fit that do not stand for what is unknown of the rig."""
     return tuple(name for name in one.hypothesis.names if name not in problem.unknown)
 

@@ -14,7 +14,7 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import folds, windows_of
-from harness.identify.selection.candidates import Progress, candidates, fit_candidates, found_in
+from harness.identify.selection.candidates import Progress, candidates, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 
@@ -31,9 +31,9 @@ def cross_validate(problem: Problem, base: Fit, found: Fit, ledger: Ledger, prog
     if found.hypothesis.spline is not None:
         plain = next(one.against for one in ledger.lines if one.kept and one.rule is Rule.SPLINE)
         found = _validated(problem, found, plain, (), ledger, progress)
-    if found.hypothesis.spline is None and found_in(problem, found):
-        found = _validated(problem, found, base, found_in(problem, found), ledger, progress)
-    while len(found_in(problem, found)) < settings.validated_effects and found.hypothesis.spline is None:
+    if found.hypothesis.spline is None and selected_effects(problem, found):
+        found = _validated(problem, found, base, selected_effects(problem, found), ledger, progress)
+    while len(selected_effects(problem, found)) < settings.validated_effects and found.hypothesis.spline is None:
         better = _extended(problem, found, ledger, progress)
         if better is None:
             break

@@ -11,14 +11,14 @@ from analytic.law import acceleration, dry_limit
 from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit, unrefined
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import Progress, found_in, in_threads
+from harness.identify.selection.candidates import Progress, in_threads, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 
@@ -41,7 +41,7 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     if not kept:
         return found
     best = _refined(problem, best, ledger, progress)
-    for name in found_in(problem, found):
+    for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
         nested = _kind(best) in CATALOGUE[name].relations.nested_in
@@ -115,10 +115,10 @@ def held_out_deviances(
 
 def _deviance(fold: Fold, fitted: Fit) -> float:
     """Of the held-out recording; its phase and process noise are its own."""
-    record: PreparedRecording = fold.left[0]
-    phase = phase_of(fold.problem, fitted, record, record.reading)
+    recording: PreparedRecording = fold.left[0]
+    phase = phase_of(fold.problem, fitted, recording, recording.reading)
     process_noises = fitted.process_noise * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, record, fitted.terms, one, phase=phase) for one in process_noises)
+    return min(deviance_of(fold.problem, recording, fitted.terms, one, phase=phase) for one in process_noises)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
@@ -163,9 +163,9 @@ def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:
         case Regressor.ROLL_ANGLE:
             return 0.0, 2.0 * np.pi
         case Regressor.ANGLE:
-            values = [record.table[:, 0] for record in problem.recordings]
+            values = [recording.table[:, 0] for recording in problem.recordings]
         case Regressor.POSITION:
-            values = [record.reading[np.isfinite(record.reading)] for record in problem.recordings]
+            values = [recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings]
         case Regressor.VELOCITY:
             runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.recordings)
             values = [run.state[known, 1] for run, known in runs]

@@ -6,7 +6,7 @@ from operator import itemgetter
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, found_in
+from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.swaps import swap_steps
@@ -33,9 +33,9 @@ def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) ->
     lowest, other = min(screened, key=itemgetter(0), default=(0.0, None))
     if other is None or lowest >= criterion.value(best) + settings.restart_slack:
         return best
-    ledger.decide(Rule.RESTART, other, base, found_in(problem, other))
+    ledger.decide(Rule.RESTART, other, base, selected_effects(problem, other))
     again = _grow(problem, base, other, ledger, progress)
-    return again if ledger.decide(Rule.PREFER, again, best, found_in(problem, again)) else best
+    return again if ledger.decide(Rule.PREFER, again, best, selected_effects(problem, again)) else best
 
 
 def _grow(problem: Problem, base: Fit, first: Fit | None, ledger: Ledger, progress: Progress) -> Fit:
@@ -43,7 +43,7 @@ def _grow(problem: Problem, base: Fit, first: Fit | None, ledger: Ledger, progre
     best, kept = base, first
     while kept is not None:
         best = swap_steps(problem, kept, ledger, progress)
-        if len(found_in(problem, best)) >= problem.settings.max_effects:
+        if len(selected_effects(problem, best)) >= problem.settings.max_effects:
             break
         kept = ledger.decide_round(Rule.ADD, fit_candidates(problem, best, progress), best)
     return best

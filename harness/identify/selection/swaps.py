@@ -10,7 +10,7 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.starts import starting_points
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Progress, fit_candidates, found_in, refitted
+from harness.identify.selection.candidates import Progress, fit_candidates, refitted, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 
@@ -27,7 +27,7 @@ def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) 
             return best
         held.append(set(best.hypothesis.names))
         former = best
-        if len(found_in(problem, best)) > 1:
+        if len(selected_effects(problem, best)) > 1:
             best = _swap(problem, best, ledger, progress)
         if best is former:
             return best
@@ -35,7 +35,7 @@ def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) 
 
 def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
     """Hold each effect against none and against all others; the first change, or `best`."""
-    for name in found_in(problem, best):
+    for name in selected_effects(problem, best):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"{name} again")
         without = refitted(problem, rest, best)
@@ -70,7 +70,7 @@ def _split_or_merge(problem: Problem, best: Fit, ledger: Ledger, progress: Progr
         if parts is None:
             continue
         pair = (parts[0].name, parts[1].name)
-        names = found_in(problem, best)
+        names = selected_effects(problem, best)
         if name in names and not set(pair) & set(names) and len(names) < problem.settings.max_effects:
             best = _split(problem, best, name, pair, ledger, progress)
         elif name not in names and set(pair) <= set(names):

@@ -60,7 +60,7 @@ def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = silent)
         seen, ahead = windows_of(split.problem.recordings), windows_of(split.left)
         if not seen or not ahead:
             continue
-        progress(f"baselines for {', '.join(record.name for record in split.left)}")
+        progress(f"baselines for {', '.join(recording.name for recording in split.left)}")
         before = window_errors(split.problem, tuned_to_windows(split.problem, split.base, seen), ahead)
         same = split.found.hypothesis == split.base.hypothesis
         errors[BEFORE] += before

@@ -22,7 +22,7 @@ from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.filter.run import FilterRun
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
@@ -68,13 +68,13 @@ def engines_running(
     runs: dict[Hashable, Callable[[], Squares | str]] = {}
     for engine in reversed(engines.values()):  # PyBullet takes longer; with the long jobs first, all cores end together
         for split in (seen, *held):
-            for fit, record in itertools.product((split.base, split.found), split.left):
-                runs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
-    words = f"{' and '.join(engines)} on {', '.join(record.name for record in seen.left)}"
+            for fit, recording in itertools.product((split.base, split.found), split.left):
+                runs[_key(engine, fit, recording)] = partial(_squares, split.problem, fit, recording, engine)
+    words = f"{' and '.join(engines)} on {', '.join(recording.name for recording in seen.left)}"
 
     def both(engine: Engine, splits: Sequence[HeldOut], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
         return {
-            when: _errors([found[_key(engine, fit(one), record)] for one in splits for record in one.left])
+            when: _errors([found[_key(engine, fit(one), recording)] for one in splits for recording in one.left])
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
 
@@ -94,10 +94,10 @@ def engines_running(
         yield errors
 
 
-def _key(engine: Engine, fit: Fit, record: PreparedRecording) -> Hashable:
+def _key(engine: Engine, fit: Fit, recording: PreparedRecording) -> Hashable:
     """What makes a run another one. Without effects nothing is fitted: whatever the fit is to, that is the same run."""
     nothing = not fit.hypothesis.names and fit.hypothesis.spline is None
-    return engine.name, None if nothing else id(fit), id(record)
+    return engine.name, None if nothing else id(fit), id(recording)
 
 
 def entries(fit: Fit) -> dict[str, str]:
@@ -118,10 +118,10 @@ def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> Squares | str:
+def _squares(problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> Squares | str:
     """Squared errors [m²] of every window by horizon, or why the engine failed."""
     try:
-        return _Scene(problem, found, record, engine).squares()
+        return _Scene(problem, found, recording, engine).squares()
     except EngineFailure as failure:
         return str(failure)
 
@@ -129,17 +129,17 @@ def _squares(problem: Problem, found: Fit, record: PreparedRecording, engine: En
 class _Scene:
     """One recording in one engine, with what was found in it."""
 
-    def __init__(self, problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> None:
-        self.problem, self.found, self.record = problem, found, record
-        phase = phase_of(problem, found, record, record.reading)
+    def __init__(self, problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> None:
+        self.problem, self.found, self.recording = problem, found, recording
+        phase = phase_of(problem, found, recording, recording.reading)
         declared = (*problem.declared, *found.terms.effects)
         gain = problem.sensor(found.terms.effects)[0]
         self.rig: Rig = rig_with(problem.rig, declared)
-        self.origin = record.origin / gain
+        self.origin = recording.origin / gain
         spline = found.terms.spline
         self.law = None if spline is None else _law(spline, phase, problem.rig.gravity)
         self.effects, self.phase = declared, phase
-        self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
+        self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
         self.engine = engine
         settings = engine_settings(self.effects, engine.name) or {"time_step": _ROLLING_STEP}
@@ -150,9 +150,9 @@ class _Scene:
 
         Windows that begin together are one run: what is known of the ball at its beginning is the same.
         """
-        record = self.record
-        time = record.time - record.time[0]
-        known = np.isfinite(record.reading)
+        recording = self.recording
+        time = recording.time - recording.time[0]
+        known = np.isfinite(recording.reading)
         spans: list[tuple[str, int, int]] = []
         for horizon, first, last in horizon_spans(time):
             judged = known & (time >= first) & (time < last)
@@ -161,19 +161,19 @@ class _Scene:
         ends = {begin: max(end for _, other, end in spans if other == begin) for _, begin, _ in spans}
         errors: dict[int, FloatArray] = {}
         for begin, end in ends.items():
-            before = np.where(np.arange(len(time)) < begin, record.reading, np.nan)
-            state = filtered(self.problem, self.found, record, before)
-            errors[begin] = self._run(state, begin, end) - record.reading[begin:end]
+            before = np.where(np.arange(len(time)) < begin, recording.reading, np.nan)
+            state = filtered(self.problem, self.found, recording, before)
+            errors[begin] = self._run(state, begin, end) - recording.reading[begin:end]
         squares = [(horizon, errors[begin][: end - begin] ** 2) for horizon, begin, end in spans]
         return [(horizon, each[np.isfinite(each)]) for horizon, each in squares]
 
     def _run(self, out: FilterRun, begin: int, end: int) -> FloatArray:
         """What would be recorded of a free run from stamp `begin` up to before `end` [m]; NaN where the beam's motion
         is not known."""
-        stamps = self.record.time[begin:end]
+        stamps = self.recording.time[begin:end]
         # The filter's state at t is that of t − delay, when the beam was where the ball then felt it.
         ball_time = stamps - self.sensor.delay
-        inside = (ball_time >= self.record.time[0]) & (ball_time <= self.record.time[-1])
+        inside = (ball_time >= self.recording.time[0]) & (ball_time <= self.recording.time[-1])
         at = ball_time[inside]
         first = begin + int(np.argmax(inside))
         s, v, _, lagging = out.state[first]

@@ -13,7 +13,7 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
-from harness.identify.validation.whiteness import Dependence, joined, on_beam
+from harness.identify.validation.whiteness import Dependence, beam_dependence, joined
 from harness.progress import Progress, silent
 
 
@@ -34,30 +34,32 @@ class Errors:
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
-def errors(problem: Problem, found: Fit, records: Sequence[PreparedRecording], progress: Progress = silent) -> Errors:
-    """Prediction errors of `found` over `records`.
+def errors(
+    problem: Problem, found: Fit, recordings: Sequence[PreparedRecording], progress: Progress = silent
+) -> Errors:
+    """Prediction errors of `found` over `recordings`.
 
     "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
     recording predicted from its first two seconds.
     """
     squares: dict[str, list[FloatArray]] = {}
     white, ratios, beam = [], [], []
-    for record in records:
-        progress(f"errors of {record.name}")
-        time = record.time - record.time[0]
-        known = np.isfinite(record.reading)
+    for recording in recordings:
+        progress(f"errors of {recording.name}")
+        time = recording.time - recording.time[0]
+        known = np.isfinite(recording.reading)
         for name, first, last in horizon_spans(time):
-            reading = np.where((time < first) & known, record.reading, np.nan)
+            reading = np.where((time < first) & known, recording.reading, np.nan)
             judged = known & (time >= first) & (time < last)
             if np.isfinite(reading).sum() > 5 and judged.any():
-                out = filtered(problem, found, record, reading)
-                squares.setdefault(name, []).append((out.recorded - record.reading)[judged] ** 2)
-        whole = filtered(problem, found, record, record.reading)
+                out = filtered(problem, found, recording, reading)
+                squares.setdefault(name, []).append((out.recorded - recording.reading)[judged] ** 2)
+        whole = filtered(problem, found, recording, recording.reading)
         ratio = whole.innovation / np.sqrt(whole.innovation_variance)
-        z = ratio[record.judged]
+        z = ratio[recording.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
-        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.reading_variance))
-        beam.append(on_beam(record.time, ratio, record.judged, record.drive))
+        ratios.append(float(np.mean(whole.innovation[recording.judged] ** 2) / problem.reading_variance))
+        beam.append(beam_dependence(recording.time, ratio, recording.judged, recording.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
 
@@ -77,9 +79,11 @@ def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> 
     )
 
 
-def on_another(problem: Problem, base: Fit, found: Fit, record: PreparedRecording, progress: Progress) -> BeforeAfter:
+def on_another(
+    problem: Problem, base: Fit, found: Fit, recording: PreparedRecording, progress: Progress
+) -> BeforeAfter:
     """On a recording that nothing was fitted to."""
-    return BeforeAfter(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
+    return BeforeAfter(errors(problem, base, (recording,), progress), errors(problem, found, (recording,), progress))
 
 
 @dataclass(frozen=True)

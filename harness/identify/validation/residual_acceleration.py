@@ -24,7 +24,7 @@ from harness.signals.ball_state import BallEstimate
 
 
 @dataclass(frozen=True)
-class Trace:
+class ResidualAcceleration:
     """What is missing in one recording; arrays of shape (n,) at its stamps.
 
     Attributes:
@@ -46,22 +46,24 @@ class Trace:
     trusted: NDArray[np.bool_]
 
 
-def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEstimate) -> Trace:
+def residual_acceleration(
+    problem: Problem, found: Fit, recording: PreparedRecording, ball: BallEstimate
+) -> ResidualAcceleration:
     """The trace of what `found` adds, in one recording.
 
     Args:
-        record: one of the problem's.
+        recording: one of the problem's.
         ball: the measured state in it, whose residual is against CAM alone.
     """
     bare = replace(problem, declared=(), model=CAM)
-    plain = _acceleration(bare, record, ball)
-    declared = _acceleration(problem, record, ball)
-    everything = _acceleration(problem, record, ball, found.terms)
-    return Trace(
-        time=record.time,
+    plain = _acceleration(bare, recording, ball)
+    declared = _acceleration(problem, recording, ball)
+    everything = _acceleration(problem, recording, ball, found.terms)
+    return ResidualAcceleration(
+        time=recording.time,
         position=ball.position,
         velocity=ball.velocity,
-        angle=record.drive.states[:, 0],
+        angle=recording.drive.states[:, 0],
         residual=ball.residual - (declared - plain),
         deviation=np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0)),
         law=everything - declared,
@@ -70,16 +72,16 @@ def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEst
 
 
 def _acceleration(
-    problem: Problem, record: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
+    problem: Problem, recording: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
 ) -> FloatArray:
     """What the sensor would see of the ball's acceleration when it follows the measured path, shape (n,) [m/s²]."""
-    p, table = dynamics(problem, record, added, added.phase_of(record.name))
+    p, table = dynamics(problem, recording, added, added.phase_of(recording.name))
     gain, lag = problem.sensor(added.effects)
-    out = np.empty(len(record.time))
-    _along(ball.position / gain, ball.velocity / gain, record.grid.steps, record.grid.marks, table, p, out)
+    out = np.empty(len(recording.time))
+    _along(ball.position / gain, ball.velocity / gain, recording.grid.steps, recording.grid.marks, table, p, out)
     # Gain and lag are linear and constant in time: they do to the acceleration what they do to the position.
     if lag > 0.0:
-        out = SensorLaw(lag=lag).recorded(record.time, out)
+        out = SensorLaw(lag=lag).recorded(recording.time, out)
     return gain * out
 
 

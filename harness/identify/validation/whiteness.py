@@ -47,7 +47,7 @@ class Dependence:
         return float(chdtrc(self.freedom, self.statistic)) if self.freedom else 1.0
 
 
-def on_beam(
+def beam_dependence(
     time: FloatArray, ratio: FloatArray, judged: NDArray[np.bool_], motion: BeamMotion
 ) -> dict[str, Dependence]:
     """Test the innovations of one recording against α, α̇ and α̈.

@@ -10,7 +10,7 @@ from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.record import DiagnosisRecord
-from harness.identify.validation.residual_acceleration import Trace, trace
+from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
 from harness.recording import Case
 from harness.report.palette import Look
 from harness.signals.ball_state import BallEstimate
@@ -61,10 +61,10 @@ class Account:
         return self.diagnosis.problem.recordings[0]
 
     @cached_property
-    def traces(self) -> tuple[Trace, ...]:
+    def residual_accelerations(self) -> tuple[ResidualAcceleration, ...]:
         """The residual acceleration of each recording."""
         problem, found = self.diagnosis.problem, self.diagnosis.found
-        return tuple(trace(problem, found, one, self.ball(one)) for one in problem.recordings)
+        return tuple(residual_acceleration(problem, found, one, self.ball(one)) for one in problem.recordings)
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""

@@ -23,7 +23,7 @@ def section(account: Account) -> Section | None:
         "sentence": sentence(proposal).replace("_", " "),
         "does": proposal.profile.words,
         "file": FILE,
-        "drift": length(proposal.drift, 2),
+        "drift": length(proposal.open_loop_drift, 2),
         "end": brief(float(proposal.time[-1])),
         "picture": _picture(proposal),
         "reveals": proposal.separations[0].rival == NOTHING,
@@ -35,12 +35,12 @@ def section(account: Account) -> Section | None:
 
 @style()
 def _picture(proposal: Proposal) -> Picture:
-    room, time = proposal.room, proposal.time
+    envelope, time = proposal.envelope, proposal.time
     figure = drawing(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for axes, values, edges, label in (
-        (top, np.degrees(proposal.angle), np.degrees([-room.angle, room.angle]), r"beam angle $\alpha$ [deg]"),
-        (bottom, proposal.reading, (room.low, room.high), "position $s$ [m]"),
+        (top, np.degrees(proposal.angle), np.degrees([-envelope.angle, envelope.angle]), r"beam angle $\alpha$ [deg]"),
+        (bottom, proposal.reading, (envelope.low, envelope.high), "position $s$ [m]"),
     ):
         signal(axes, time, values, FOUND)
         for edge in edges:

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
 from harness.report.diagnosis.account import FOUND, MODEL, Account
@@ -33,9 +34,7 @@ _LABEL = "residual acceleration\n[m/s²]"
 
 def section(account: Account) -> Section:
     """The section."""
-    residual = np.concatenate([one.residual[one.trusted] for one in account.traces])
-    law = np.concatenate([one.law[one.trusted] for one in account.traces])
-    deviation = np.concatenate([one.deviation[one.trusted] for one in account.traces])
+    residual, law, deviation = _trusted(account, "residual", "law", "deviation")
     context = {
         "changed": account.changed,
         "before": number(rms(residual)),
@@ -45,6 +44,12 @@ def section(account: Account) -> Section:
         "against": _against(account),
     }
     return Section("trace", "Residual acceleration", "Residual", "diagnosis/residual_acceleration.html", context)
+
+
+def _trusted(account: Account, *names: str) -> list[FloatArray]:
+    """These signals of all recordings, at trusted readings."""
+    every = account.residual_accelerations
+    return [np.concatenate([getattr(one, name)[one.trusted] for one in every]) for name in names]
 
 
 def _legend(figure: Figure, account: Account) -> None:
@@ -63,9 +68,10 @@ def _in_newtons(axes: Axes, account: Account) -> None:
 
 @style()
 def _over_time(account: Account) -> Picture:
-    figure = drawing(1.0 + 1.9 * len(account.traces))
-    grid = figure.subplots(len(account.traces), 1, squeeze=False)[:, 0]
-    for axes, one, record in zip(grid, account.traces, account.diagnosis.problem.recordings, strict=True):
+    every = account.residual_accelerations
+    figure = drawing(1.0 + 1.9 * len(every))
+    grid = figure.subplots(len(every), 1, squeeze=False)[:, 0]
+    for axes, one, record in zip(grid, every, account.diagnosis.problem.recordings, strict=True):
         band(axes, one.time, one.residual - 2.0 * one.deviation, one.residual + 2.0 * one.deviation)
         signal(axes, one.time, one.residual, LEFT)
         if account.changed:
@@ -89,10 +95,7 @@ def _over_time(account: Account) -> Picture:
 
 @style()
 def _against(account: Account) -> Picture:
-    position, velocity, angle, residual, law = (
-        np.concatenate([getattr(one, name)[one.trusted] for one in account.traces])
-        for name in ("position", "velocity", "angle", "residual", "law")
-    )
+    position, velocity, angle, residual, law = _trusted(account, "position", "velocity", "angle", "residual", "law")
     figure = drawing(3.0)
     row = figure.subplots(1, 3, sharey=True)
     for axes, x in against_state(row, position, velocity, angle):

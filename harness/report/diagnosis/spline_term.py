@@ -12,7 +12,7 @@ from harness.formatting import number
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.validation.residual_acceleration import Trace, trace
+from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
 from harness.report.diagnosis.account import FOUND, Account
 from harness.report.diagnosis.residual_acceleration import LEFT
 from harness.report.page import Section
@@ -90,9 +90,9 @@ def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]
     diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
     listed = replace(diagnosis.found, terms=replace(diagnosis.found.terms, spline=None))
     wheres, lefts = [], []
-    each = zip(diagnosis.problem.recordings, account.traces, diagnosis.found.terms.phases, strict=True)
+    each = zip(diagnosis.problem.recordings, account.residual_accelerations, diagnosis.found.terms.phases, strict=True)
     for record, seen, phase in each:
-        explained = trace(diagnosis.problem, listed, record, account.ball(record)).law
+        explained = residual_acceleration(diagnosis.problem, listed, record, account.ball(record)).law
         where = _along(spline, record, seen, diagnosis.problem.rig, float(phase))
         left, use = (seen.residual - explained) / k, seen.trusted
         if spline.friction:
@@ -104,7 +104,9 @@ def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]
     return np.concatenate(wheres), np.concatenate(lefts)
 
 
-def _along(spline: SplineTerm, record: PreparedRecording, seen: Trace, rig: Rig, phase: float) -> FloatArray:
+def _along(
+    spline: SplineTerm, record: PreparedRecording, seen: ResidualAcceleration, rig: Rig, phase: float
+) -> FloatArray:
     """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
     match spline.depends:
         case Regressor.POSITION:
@@ -119,7 +121,7 @@ def _along(spline: SplineTerm, record: PreparedRecording, seen: Trace, rig: Rig,
             return seen.time
 
 
-def _normal(record: PreparedRecording, seen: Trace, rig: Rig) -> FloatArray:
+def _normal(record: PreparedRecording, seen: ResidualAcceleration, rig: Rig) -> FloatArray:
     """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
     angle, rate, angular = record.drive.states.T
     arm = rig.eccentricity + rig.rolling_radius
@@ -134,7 +136,7 @@ def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
         (number(scale * at), number(factor * value), number(factor * half, 2))
         for at, value, half in zip(spline.places, spline.nodes, reach, strict=True)
     ]
-    columns = [
+    columns: list[Column | str] = [
         Column(str(spline.depends).replace("_", " "), unit),
         quantity,
         f"± 95 % [{'1' if spline.friction else 'mN'}]",

@@ -1,4 +1,4 @@
-"""`python -m harness.benchmark`: run the trials that are missing, then write the tables of all there are."""
+"""`python -m benchmarks.calibration`: run the trials that are missing, then write the tables of all there are."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from harness.benchmark.publish import publish
-from harness.benchmark.rows import Row
-from harness.benchmark.run import run
-from harness.benchmark.store import Store
-from harness.benchmark.trials import NULL_TRIALS, SEEDS, STUDIES, plan
+from benchmarks.calibration.publish import publish
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.run import run
+from benchmarks.calibration.store import Store, sources_digest
+from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, STUDIES, plan
 from harness.errors import InputError
-from harness.provenance import code_digest
 
 _ROWS = Path("build/calibration/rows.jsonl")
 
@@ -47,9 +46,9 @@ def main(
 
     Rows are kept; a run that was stopped goes on where it was, and a changed search begins anew.
 
-    Example: python -m harness.benchmark --study null --count 20 --jobs 2
+    Example: python -m benchmarks.calibration --study null --count 20 --jobs 2
     """
-    store = Store(rows, source or code_digest())
+    store = Store(rows, source or sources_digest())
     try:
         trials = plan(studies or STUDIES, count=count, seeds=seeds, only=only)
     except InputError as error:

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from harness.benchmark import run as running
-from harness.benchmark.__main__ import main
-from harness.benchmark.rows import Row
-from harness.benchmark.store import Store
-from harness.benchmark.trials import Trial, plan
-from harness.provenance import code_digest
-from tests.benchmark.made import SOURCE, named, row, trial
+from benchmarks.calibration import run as running
+from benchmarks.calibration.__main__ import main
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.store import Store, sources_digest
+from benchmarks.calibration.trials import Trial, plan
+from tests.benchmarks.made import SOURCE, named, row, trial
 
 ROWS = [
     row(trial("confusion", "viscous_damping", 0), named("viscous_damping", 1.1, rivals=["quadratic_drag"])),
@@ -106,7 +105,7 @@ def of_plant(plant: str) -> Trial:
 @pytest.mark.parametrize("plant", ["virtual_rig", "mujoco", "pybullet"])
 def test_a_blind_trial_names_what_was_hidden(tmp_path: Path, plant: str) -> None:
     """Find a large level error from the case on disk, in a process of its own, whatever moved the ball."""
-    store = Store(tmp_path / "rows.jsonl", code_digest())
+    store = Store(tmp_path / "rows.jsonl", sources_digest())
     one = of_plant(plant)
     running.run([one], store, jobs=1)
     found = store.rows()[one.spec]

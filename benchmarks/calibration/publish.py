@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.benchmark.page import FOLDER, PICTURE, page
-from harness.benchmark.picture import draw
-from harness.benchmark.rows import Row
-from harness.benchmark.sizes import SIZES
-from harness.benchmark.tables import tables
+from benchmarks.calibration.page import FOLDER, PICTURE, page
+from benchmarks.calibration.picture import draw
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.sizes import SIZES
+from benchmarks.calibration.tables import tables
 
 
 def publish(rows: Sequence[Row], docs: Path, source: str) -> list[Path]:

@@ -13,10 +13,10 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
 
-from harness.benchmark.pose import pose
-from harness.benchmark.rows import Named, Row
-from harness.benchmark.store import Store
-from harness.benchmark.trials import Trial
+from benchmarks.calibration.pose import pose
+from benchmarks.calibration.rows import Named, Row
+from benchmarks.calibration.store import Store
+from benchmarks.calibration.trials import Trial
 from harness.identify.verdict import Identification, identify
 
 # Read by the libraries when they are loaded, hence before a process begins.

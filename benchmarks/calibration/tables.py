@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from harness.benchmark.rows import Interval, Outcome, Row
-from harness.benchmark.sizes import PAIRS, POWER, SIZES, UNLISTED_SCALES, scales
+from benchmarks.calibration.rows import Interval, Outcome, Row
+from benchmarks.calibration.sizes import PAIRS, POWER, SIZES, UNLISTED_SCALES, scales
 
 ALL = "all"
 ELSEWHERE = ("several", "a curve", "nothing")

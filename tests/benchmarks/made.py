@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from harness.benchmark.page import FOLDER
-from harness.benchmark.rows import Named, Row
-from harness.benchmark.sizes import SIZES
-from harness.benchmark.trials import Trial
+from benchmarks.calibration.page import FOLDER
+from benchmarks.calibration.rows import Named, Row
+from benchmarks.calibration.sizes import SIZES
+from benchmarks.calibration.trials import Trial
 
 SOURCE = "handmade0000"
 

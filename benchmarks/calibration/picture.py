@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from harness.benchmark.sizes import scales
-from harness.benchmark.tables import ELSEWHERE
+from benchmarks.calibration.sizes import scales
+from benchmarks.calibration.tables import ELSEWHERE
 
 _DPI = 80
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from harness.benchmark.rows import Outcome
-from harness.benchmark.run import diagnosed
-from harness.benchmark.trials import plan
+from benchmarks.calibration.rows import Outcome
+from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.trials import plan
 
 
 @pytest.mark.slow

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.benchmark.publish import publish
-from harness.benchmark.rows import Outcome, Row
-from harness.benchmark.tables import ALL, rate, tables
-from harness.benchmark.targets import targets
-from tests.benchmark.made import SOURCE, committed, named, row, trial
+from benchmarks.calibration.publish import publish
+from benchmarks.calibration.rows import Outcome, Row
+from benchmarks.calibration.tables import ALL, rate, tables
+from benchmarks.calibration.targets import targets
+from tests.benchmarks.made import SOURCE, committed, named, row, trial
 
 DAMPED = [
     row(trial("confusion", "viscous_damping", 0), named("viscous_damping", 1.1)),

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 
 from analytic.effects import CONTACT_SLIP, ECCENTRIC_PIVOT, LINKAGE_BACKLASH
-from harness.benchmark.rows import Outcome, Row
-from harness.benchmark.sizes import SIZES, SPREAD, scales
-from harness.benchmark.tables import ELSEWHERE
-from harness.benchmark.targets import Target, targets
-from harness.benchmark.trials import STUDIES
+from benchmarks.calibration.rows import Outcome, Row
+from benchmarks.calibration.sizes import SIZES, SPREAD, scales
+from benchmarks.calibration.tables import ELSEWHERE
+from benchmarks.calibration.targets import Target, targets
+from benchmarks.calibration.trials import RECORDINGS, STUDIES
 
 FOLDER, PICTURE = "calibration", "confusion.png"
 
@@ -30,15 +30,16 @@ A trial is a case of two recordings of 16 s at 100 Hz in closed loop with random
   of the other throws the ball off an engine's edges.
 - **Sensors.** An encoder of 40,000 counts a turn (fine) or the paper's 4,096; 0.2–0.6 mm of noise in the position; in a
   fifth of the trials 0.5 % of the positions are spikes of 10–60 mm.
-- **Not tried.** Second thoughts (docs/diagnosis.md, How, step 5) need more windows than two such recordings have.
+- **Cross-validation** (docs/diagnosis.md, step 5) needs more windows than two such recordings have. Every fourth trial
+  without a hidden effect of the catalogue has three: {longer} of these.
 - **Declared.** Rolling resistance, a level error, both or none act besides and are declared.
 - **Sizes.** Factors of a middle one: {sizes}; drawn within ± {spread:.0f} %, with a random sign where there is one
-  (`harness/benchmark/sizes.py`).
+  (`benchmarks/calibration/sizes.py`).
 - **Baseline.** CAM. Where `{pivot}` is hidden, CAM without its α̈ term; CUM as printed has R in the inertia
   besides, a gain of 7 %. The fit begins at the pivot of the rig file.
 
 Rates have 95 % intervals after Wilson. Every trial follows from its name alone; any part can be run by itself
-(`python -m harness.benchmark --help`)."""
+(`python -m benchmarks.calibration --help`)."""
 
 _SECTIONS: tuple[tuple[str, str, str], ...] = (
     (
@@ -103,6 +104,7 @@ def _head(rows: Sequence[Row], source: str) -> str:
         source=source,
         trials=len(rows),
         plants=", ".join(f"{plant} {sum(row.trial.plant == plant for row in rows)}" for plant in plants),
+        longer=sum(row.trial.recordings > RECORDINGS for row in rows),
         failed=sum(row.outcome is Outcome.FAILED for row in rows),
         sizes=", ".join(f"{name} {factor:g}" for name, factor in SIZES.items()),
         spread=100.0 * SPREAD,

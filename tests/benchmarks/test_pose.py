@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.benchmark.pose import PIVOT, pose
-from harness.benchmark.trials import Trial, plan
+from benchmarks.calibration.pose import PIVOT, pose
+from benchmarks.calibration.trials import Trial, plan
 from harness.identify.selection.candidates import candidates
 from harness.recording import load_case
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.benchmark.targets import Target, targets
-from tests.benchmark.made import committed
+from benchmarks.calibration.targets import Target, targets
+from tests.benchmarks.made import committed
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

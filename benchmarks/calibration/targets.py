@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from harness.benchmark.tables import ALL
+from benchmarks.calibration.tables import ALL
 
 
 @dataclass(frozen=True)

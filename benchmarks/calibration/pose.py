@@ -10,7 +10,7 @@ import numpy as np
 from analytic.effects import ECCENTRIC_PIVOT
 from analytic.models import CUM
 from analytic.rig import Rig
-from harness.benchmark.trials import RIG, Trial
+from benchmarks.calibration.trials import RIG, Trial
 from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
@@ -48,6 +48,7 @@ def experiment_of(trial: Trial) -> Experiment:
         unlisted=trial.unlisted,
         counts=trial.counts,
         position_noise=trial.noise,
+        identify=trial.recordings,
         predict=0,
         play_start=None,
         seed=trial.seed,

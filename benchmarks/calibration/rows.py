@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from harness.benchmark.trials import Trial
+from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES
 

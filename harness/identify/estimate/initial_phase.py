@@ -13,16 +13,16 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 _TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)  # where φ₀ is looked for first
 
 
-def phase_of(problem: Problem, found: Fit, record: PreparedRecording, reading: FloatArray) -> float:
+def phase_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray) -> float:
     """φ₀ of a recording [rad], at which `reading`, shape (n,) [m], is likeliest; the fitted one of a recording that
     `found` was fitted to, 0 where it does not matter."""
     if not found.hypothesis.turning:
         return 0.0
-    if record.name in found.terms.recordings:
-        return found.terms.phase_of(record.name)
+    if recording.name in found.terms.recordings:
+        return found.terms.phase_of(recording.name)
 
     def deviance(phase: float) -> float:
-        return deviance_of(problem, record, found.terms, found.process_noise, phase=phase, reading=reading)
+        return deviance_of(problem, recording, found.terms, found.process_noise, phase=phase, reading=reading)
 
     near = min(_TURN, key=deviance)
     found_at = minimize_scalar(deviance, bounds=(near - _TURN[1], near + _TURN[1]), method="bounded")

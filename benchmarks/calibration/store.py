@@ -10,8 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.benchmark.rows import Row
-from harness.benchmark.trials import Trial
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.trials import Trial
+from harness.provenance import PACKAGES, code_digest
+
+
+def sources_digest() -> str:
+    """Digest of the product and of what measures it: a row follows from both."""
+    return code_digest(packages=(*PACKAGES, "benchmarks"))
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,12 @@ from collections import Counter
 import pytest
 
 from analytic.effects import CATALOGUE, acting
-from harness.benchmark.pose import experiment_of
-from harness.benchmark.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, SPREAD, UNLISTED_SCALES, scales
-from harness.benchmark.trials import NULL_TRIALS, SEEDS, in_engines, plan
+from benchmarks.calibration.pose import experiment_of
+from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, SPREAD, UNLISTED_SCALES, scales
+from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, in_engines, plan
 from harness.errors import InputError
+from harness.identify.problem.settings import DEFAULT
+from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.simulator import UNLISTED
 
 PLAN, SCALES = plan(), scales()
@@ -40,6 +42,15 @@ def test_effect_free_trials_hide_nothing() -> None:
     # (1 − 0.1)^200 = 7e-10 is what chance leaves to none at all
     declared = {tuple(sorted(one.declared)) for one in null}
     assert declared == {(), ("rolling_resistance",), ("level_error",), ("level_error", "rolling_resistance")}
+
+
+def test_some_trials_are_long_enough_for_cross_validation() -> None:
+    """Record enough windows for cross-validation in a quarter of the null trials, and some of each structure's."""
+    windows = {one.spec: one.recordings * int((experiment_of(one).duration - KNOWN) / AHEAD) for one in PLAN}
+    long = [one for one in PLAN if windows[one.spec] >= DEFAULT.min_windows]
+    assert Counter(one.study for one in long) == {"null": NULL_TRIALS // 4, "confusion": 2 * len(UNLISTED)}
+    assert {one.name for one in long} == {"none", *UNLISTED}
+    assert {one.plant for one in long if one.study == "null"} == {"virtual_rig", "mujoco", "pybullet"}
 
 
 def test_every_plant_sees_every_effect() -> None:
