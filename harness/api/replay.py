@@ -1,11 +1,11 @@
-"""Does the ledger of a diagnosis come out again from the same inputs?"""
+"""Replay: check that the ledger of a diagnosis is reproduced from the same inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.api.case import case_of
 from harness.api.diagnosis import input_hashes
@@ -28,8 +28,8 @@ class Replayed:
 
     Attributes:
         origin: of the diagnosis.
-        attempts, fits: how many were replayed.
-        mismatches: what did not come out again.
+        attempts, fits: numbers of decisions and fits that were replayed.
+        mismatches: what differs.
         largest: difference of a deviance.
         other_versions: software that is not what it was, `then → now` by name.
     """
@@ -46,6 +46,19 @@ class Replayed:
         """Whether everything came out again."""
         return not self.mismatches
 
+    def content(self) -> dict[str, Any]:
+        """Everything, as for JSON."""
+        content = asdict(self)
+        return {"diagnosis": str(content.pop("origin")), "reproduced": self.reproduced, **content}
+
+    def text(self, *, refit: bool = False) -> str:
+        """In words; `refit` as it was asked for."""
+        how = "re-optimised from their parameters" if refit else f"deviances within {self.largest:.1g}"
+        lines = [f"{one.where}: {one.what}" for one in self.mismatches]
+        lines += [f"note: {name} {change} since then" for name, change in self.other_versions.items()]
+        said = "nothing differs" if self.reproduced else f"{len(self.mismatches)} differ"
+        return "\n".join([*lines, f"{self.attempts} decisions, {self.fits} fits replayed ({how}): {said}"])
+
 
 def replay(
     diagnosis: LoadedDiagnosis | str | Path,
@@ -55,7 +68,7 @@ def replay(
     effects: Sequence[Given] = (),
     progress: bool | Progress = False,
 ) -> Replayed:
-    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
 
     Args:
         diagnosis: or its diagnosis.json, or the folder that this is in.

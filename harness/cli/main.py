@@ -1,12 +1,14 @@
-"""The commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 an engine failed."""
+"""The commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 an engine failed."""
 
 from __future__ import annotations
 
 import math
+import os
+import re
 import shlex
 import sys
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
@@ -22,7 +24,8 @@ class Friendly(click.Group):
         try:
             return super().invoke(ctx)
         except HarnessError as error:
-            fail(error)
+            click.echo(f"error: {error}", err=True)
+            sys.exit(error.exit_code)
 
 
 class RunCommand(click.Command):
@@ -37,12 +40,6 @@ class RunCommand(click.Command):
                 rows = [(key, f"[{default}] {text}") for key, default, text in describe(engine_of(name))]
                 formatter.write_dl(rows, col_max=36)
         super().format_epilog(ctx, formatter)
-
-
-def fail(error: HarnessError) -> NoReturn:
-    """Print the error on stderr and exit with its code."""
-    click.echo(f"error: {error}", err=True)
-    sys.exit(error.exit_code)
 
 
 class StateType(click.ParamType):
@@ -72,13 +69,9 @@ class AngleType(click.ParamType):
         """Parse the option; radians."""
         if value is None or isinstance(value, float) or value == "estimate":
             return value
-        text, factor = str(value).strip(), 1.0
-        for unit, size in (("deg", math.radians(1.0)), ("°", math.radians(1.0)), ("rad", 1.0)):
-            if text.endswith(unit):
-                text, factor = text.removesuffix(unit), size
-                break
+        found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
         try:
-            angle = float(text) * factor
+            angle = float(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
         except ValueError:
             angle = math.nan
         if not math.isfinite(angle):
@@ -86,10 +79,12 @@ class AngleType(click.ParamType):
         return angle
 
 
-effects_option = click.option(
+_PATH = click.Path(path_type=Path)
+_out_option = click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
+_effects_option = click.option(
     "--effects",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Python file with effects of your own, added to the catalogue; repeatable.",
 )
@@ -115,10 +110,8 @@ def main() -> None:
 
 
 @main.command(cls=RunCommand)
-@click.argument("case", required=False, type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
-)
+@click.argument("case", required=False, type=_PATH)
+@_out_option
 @click.option("--recording", metavar="NAME", help="Which recording of the case [default: the first to identify from].")
 @click.option(
     "--engine",
@@ -132,7 +125,7 @@ def main() -> None:
 )
 @click.option(
     "--parameters",
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Contact parameters from a TOML file, one table an engine; --set wins.",
 )
@@ -172,11 +165,11 @@ def main() -> None:
 )
 @click.option(
     "--tolerances",
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
-@effects_option
+@_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -197,21 +190,19 @@ def run(case: Path | None, **options: Any) -> None:
 
 
 @main.command()
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
-)
+@click.argument("case", type=_PATH)
+@_out_option
 @click.option(
     "--also",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Further recording of the rig, with positions, for validation only: errors before and after are reported; "
     "repeatable.",
 )
-@effects_option
+@_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
-def diagnose(case: Path, **options: Any) -> None:
+def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.
 
     CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
@@ -224,20 +215,26 @@ def diagnose(case: Path, **options: Any) -> None:
       harness diagnose my_rig/ --effects magnet.py
       harness diagnose my_rig/ --also my_rig/swing_07.csv
     """
-    from harness.cli.diagnose import diagnose_case
+    from harness.api.diagnosis import REPORT
+    from harness.api.diagnosis import diagnose as find
+    from harness.api.outputs import report_folder
+    from harness.identify.record import FILE
 
-    sys.exit(diagnose_case(case, **options))
+    folder = out or report_folder(case)
+    made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=True, **options)
+    files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
+    click.echo(made.record.text() if as_json else f"{made.sentence}\n{files}")
 
 
 @main.command()
-@click.argument("diagnosis", type=click.Path(path_type=Path))
-@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("diagnosis", type=_PATH)
+@click.argument("case", type=_PATH)
 @click.option(
     "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
 )
-@effects_option
+@_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
-def replay(diagnosis: Path, case: Path, **options: Any) -> None:
+def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
     """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. The exit code is 1 if anything
@@ -248,20 +245,21 @@ def replay(diagnosis: Path, case: Path, **options: Any) -> None:
       harness replay reports/my_rig/diagnosis.json my_rig/
       harness replay reports/my_rig/ my_rig/ --refit
     """
-    from harness.cli.replay import replay_case
+    from harness.api.outputs import to_json
+    from harness.api.replay import replay as again
 
-    sys.exit(replay_case(diagnosis, case, **options))
+    done = again(diagnosis, case, refit=refit, progress=True, **options)
+    click.echo(to_json(done.content()) if as_json else done.text(refit=refit))
+    sys.exit(0 if done.reproduced else 1)
 
 
 @main.command()
-@click.argument("diagnosis", type=click.Path(path_type=Path))
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
-)
-@effects_option
+@click.argument("diagnosis", type=_PATH)
+@click.argument("recording", type=_PATH)
+@click.option("--out", type=_PATH, help="CSV to write [default: <recording>_predicted.csv beside it].")
+@_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
-def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
+def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
@@ -273,6 +271,15 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
     """
-    from harness.cli.predict import predict_recording
+    from harness.api.outputs import all_or_nothing, to_json, write_csv
+    from harness.api.saved import load_diagnosis
+    from harness.recording import load_recording
 
-    sys.exit(predict_recording(diagnosis, recording, **options))
+    kept = load_diagnosis(diagnosis, **options)
+    read = load_recording(recording, sensors=kept.sensors)
+    table = kept.predict(read)
+    target = out or recording.with_name(f"{recording.stem}_predicted.csv")
+    with all_or_nothing(target.parent) as scratch:
+        write_csv(table, scratch / target.name)
+    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
+    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")

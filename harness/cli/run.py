@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from harness.api.comparison import REPORT, Comparison, compare
+from harness.api.comparison import HEADS, REPORT, Comparison, compare
 from harness.api.outputs import report_folder, to_json
-from harness.errors import EngineFailure
 from harness.recording.case import BUNDLED
-
-if TYPE_CHECKING:
-    from harness.metrics import Score
 
 
 def run_case(
@@ -58,15 +54,12 @@ def run_case(
 
 def _failures(result: Comparison) -> list[str]:
     """One message per engine, whatever the number of its failed runs."""
-    by_engine: dict[str, list[EngineFailure]] = {}
-    for failure in result.failures:
-        by_engine.setdefault(failure.engine, []).append(failure)
-    runs = {run.source: 0 for run in result.study.runs}
-    for run in result.study.runs:
-        runs[run.source] += len(run.horizon.first)
+    failed = Counter(failure.engine for failure in result.failures)
+    first = {failure.engine: failure for failure in reversed(result.failures)}
+    runs = Counter(run.source for run in result.study.runs for _ in run.horizon.first)
     return [
-        f"{failures[0]} ({len(failures)} of its {runs[name]} runs failed; the report has the other sources)"
-        for name, failures in by_engine.items()
+        f"{first[name]} ({count} of its {runs[name]} runs failed; the report has the other sources)"
+        for name, count in failed.items()
     ]
 
 
@@ -79,11 +72,11 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "recording": result.setting.recording.name,
             "origin": result.setting.case.origin,
             "headline": result.headline.name,
-            "scores": [asdict(score) for score in result.scores],
-            "claims": [asdict(claim) for claim in result.claims],
+            "scores": result.scores,
+            "claims": result.claims,
             "attribution": {one.source: one.rms() for one in result.attributions},
-            "checks": [asdict(one) for one in made.checks],
-            "findings": [asdict(one) for one in result.setting.case.findings],
+            "checks": made.checks,
+            "findings": result.setting.case.findings,
             "failures": [str(failure) for failure in result.failures],
         }
     )
@@ -103,7 +96,7 @@ def _as_text(made: Comparison, folder: Path) -> str:
         error = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # an assumed value has none
         unit = "" if one.unit == "1" else f" {one.unit}"
         lines.append(f"  {one.name} = {one.value:.5g}{error}{unit} ({one.how})")
-    lines += ["", *made.answer, "", _table([result.score_of(name, result.headline) for name in result.sources])]
+    lines += ["", *made.answer, "", _table(made)]
     if limits is not None:
         from harness.tolerances import render_table
 
@@ -111,11 +104,7 @@ def _as_text(made: Comparison, folder: Path) -> str:
     return "\n".join([*lines, "", f"report: {folder / REPORT}"])
 
 
-def _table(scores: Sequence[Score]) -> str:
-    head = f"{'source':<30}{'RMS [mm]':>10}{'max [mm]':>10}{'fit [%]':>9}{'E/u_val':>9}{'ISO 18571':>11}"
-    rows = [
-        f"{s.source:<30}{s.rms_error_mm:>10.2f}{1e3 * s.max_error_m:>10.2f}{s.fit_percent:>9.1f}"
-        f"{s.rms_error_over_uncertainty:>9.1f}{s.iso18571_rating:>11.2f}"
-        for s in scores
-    ]
-    return "\n".join([f"horizon: {scores[0].horizon}", head, *rows])
+def _table(made: Comparison) -> str:
+    rows = [HEADS, *made.rows()]
+    lines = [f"{name:<30}" + "".join(map(str.rjust, cells, (10, 10, 9, 9, 11))) for name, *cells in rows]
+    return "\n".join([f"horizon: {made.study.headline.name}", *lines])

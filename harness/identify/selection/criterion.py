@@ -17,7 +17,7 @@ import numpy as np
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.metrics.paired import Margin, rms_reduction
+from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import rms
 
 

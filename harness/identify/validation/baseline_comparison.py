@@ -15,7 +15,7 @@ from harness.identify.estimate.window_errors import tuned_to_windows, window_err
 from harness.identify.problem.windows import windows_of
 from harness.identify.validation.baselines import fit_double_integrator, fit_output_error
 from harness.identify.validation.held_out import HeldOut
-from harness.metrics.paired import Margin, rms_reduction
+from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import rms
 from harness.progress import Progress, silent
 

@@ -10,7 +10,6 @@ from analytic.models import Reading
 from harness.comparison.ablation import Combination
 from harness.formatting import aligned, length, number
 from harness.report.comparison.friction import READING_LABELS
-from harness.report.comparison.horizons import floor
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Table, texts
@@ -29,7 +28,7 @@ def section(subject: Subject) -> Section:
         "differences": Table(
             f"Displacement of the ball by one choice, {over}", [*texts("choice"), "RMS", "largest"], differences
         ),
-        "floor": floor(subject, study.headline),
+        "floor": study.floor(study.headline),
     }
     return Section(
         "ablation", "Ablation: contribution of each model term", "Ablation", "comparison/ablation.html", context

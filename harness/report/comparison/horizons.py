@@ -33,11 +33,6 @@ def section(subject: Subject) -> Section:
     return Section("horizons", "How errors grow with the horizon", "Horizons", "comparison/horizons.html", context)
 
 
-def floor(subject: Subject, horizon: Horizon) -> float:
-    """RMS of u_val on a horizon [m]: the expected error of a perfect model."""
-    return float(np.sqrt(np.nanmean(subject.study.u_val_of(horizon) ** 2)))
-
-
 def _ordered(subject: Subject) -> list[Horizon]:
     """Horizons from short to long."""
     return sorted(subject.study.setting.horizons, key=lambda one: one.seconds or math.inf)
@@ -47,7 +42,7 @@ def _ordered(subject: Subject) -> list[Horizon]:
 def _growth(subject: Subject) -> Picture:
     study, horizons = subject.study, _ordered(subject)
     seconds = np.array([one.seconds or subject.duration for one in horizons])
-    floors = 1e3 * np.array([floor(subject, one) for one in horizons])
+    floors = 1e3 * np.array([study.floor(one) for one in horizons])
     still = 1e3 * np.array([still_error(study, one) for one in horizons])
     figure = drawing(3.5)
     axes = figure.add_subplot()
@@ -99,7 +94,7 @@ def _table(subject: Subject) -> Table:
         cells = [plus_minus(one.rms_error_mm, one.rms_error_standard_error_mm) for one in scores]
         rows.append(Row((swatch(standing.source), *cells)))
     references = {
-        "u_val: a perfect model": [floor(subject, one) for one in horizons],
+        "u_val: a perfect model": [study.floor(one) for one in horizons],
         "stationary ball": [still_error(study, one) for one in horizons],
     }
     rows += [Row((name, *(number(1e3 * one) for one in errors)), "reference") for name, errors in references.items()]

@@ -11,32 +11,19 @@ from matplotlib.patches import Patch
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.formatting import number
+from harness.report import plots
 from harness.report.comparison.subject import Subject
 from harness.report.palette import MEASURED_COLOUR, UNCERTAINTY_COLOUR, look_of
-from harness.report.plots import (
-    Picture,
-    band,
-    drawing,
-    frame,
-    joined,
-    label_exits,
-    line,
-    mark_exits,
-    over_time,
-    picture,
-    sample,
-    style,
-)
 from harness.report.standing import Standing, standings
 
 
-@style()
-def overlay(subject: Subject, horizon: Horizon) -> Picture:
+@plots.style()
+def overlay(subject: Subject, horizon: Horizon) -> plots.Picture:
     """Positions of all sources on one horizon as an image of the page."""
     shown = "whole free run" if horizon.seconds is None else f"windows of {horizon.seconds:g} s"
     best = ", ".join(f"{look_of(one.source).label} {number(1e3 * one.rms)} mm" for one in _ranked(subject, horizon))
     dots = "" if horizon.seconds is None else "Dots: restarts from the estimated state. "
-    return picture(
+    return plots.picture(
         drawn(subject, horizon),
         f"Ball position over time, {shown}: {subject.measured} and all sources. RMS errors: {best}.",
         f"{subject.measured.capitalize()} ball position (black) and every source {subject.over(horizon)}, closest "
@@ -48,28 +35,28 @@ def _ranked(subject: Subject, horizon: Horizon) -> list[Standing]:
     return subject.ranked if horizon is subject.study.headline else standings(subject.study, horizon)
 
 
-@style()
+@plots.style()
 def drawn(subject: Subject, horizon: Horizon) -> Figure:
     """Positions of all sources on one horizon, framed by the recording's own range."""
-    figure = drawing(3.7)
+    figure = plots.drawing(3.7)
     axes = figure.add_subplot()
     time, slices = subject.study.setting.time, horizon.slices()
-    frame(axes, _draw_recording(subject, horizon, axes))
+    plots.frame(axes, _draw_recording(subject, horizon, axes))
     entries = [
         Line2D([], [], color=MEASURED_COLOUR, linewidth=1.7, label=subject.measured),
         Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0, label=r"± 2 $u_\mathrm{val}$"),
     ]
-    over_time(axes, time[horizon.first[0]], time[horizon.last[-1]])
+    plots.over_time(axes, time[horizon.first[0]], time[horizon.last[-1]])
     exits = []
     for one in _ranked(subject, horizon):
         look, run = look_of(one.source), subject.study.run_of(one.source, horizon)
-        run_time, values = joined(time, run.position, slices)
-        line(axes, run_time, values, look)
-        left = mark_exits(axes, run_time, values, look)
+        run_time, values = plots.joined(time, run.position, slices)
+        plots.line(axes, run_time, values, look)
+        left = plots.mark_exits(axes, run_time, values, look)
         exits += [] if left is None else [left]
-        entries.append(sample(look, f"{look.label}  {'failed' if run.failures else number(1e3 * one.rms)}"))
+        entries.append(plots.sample(look, f"{look.label}  {'failed' if run.failures else number(1e3 * one.rms)}"))
     if horizon.seconds is None:
-        label_exits(axes, exits)
+        plots.label_exits(axes, exits)
     axes.set_ylabel("ball position $s$ [m]")
     legend = figure.legend(
         handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6
@@ -88,9 +75,9 @@ def _draw_recording(subject: Subject, horizon: Horizon, axes: Axes) -> FloatArra
     shown = subject.drawn[span]
     # Above the band and below the engines' dashed lines.
     axes.plot(setting.time[span][shown], position[span][shown], color=MEASURED_COLOUR, linewidth=1.4, zorder=4)
-    time, u = joined(setting.time, u_val, slices)
-    _, centre = joined(setting.time, np.broadcast_to(setting.ball.position, u_val.shape), slices)
-    band(axes, time, centre - 2.0 * u, centre + 2.0 * u)
+    time, u = plots.joined(setting.time, u_val, slices)
+    _, centre = plots.joined(setting.time, np.broadcast_to(setting.ball.position, u_val.shape), slices)
+    plots.band(axes, time, centre - 2.0 * u, centre + 2.0 * u)
     if horizon.seconds is not None:
         first = horizon.first
         axes.plot(

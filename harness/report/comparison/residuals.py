@@ -9,26 +9,10 @@ from analytic.models import CAM
 from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
+from harness.report import plots
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import Look, label_of, look_of
-from harness.report.plots import (
-    Picture,
-    against_state,
-    band,
-    dots,
-    drawing,
-    frame,
-    joined,
-    line,
-    mark_exits,
-    means,
-    over_time,
-    picture,
-    sample,
-    style,
-    zero,
-)
 
 
 def section(subject: Subject) -> Section:
@@ -41,41 +25,41 @@ def section(subject: Subject) -> Section:
     return Section("residuals", "Residuals", "Residuals", "comparison/residuals.html", context)
 
 
-@style()
-def _over_time(subject: Subject) -> Picture:
+@plots.style()
+def _over_time(subject: Subject) -> plots.Picture:
     study, horizon = subject.study, subject.study.headline
     setting, slices = study.setting, horizon.slices()
-    figure = drawing(3.6)
+    figure = plots.drawing(3.6)
     axes = figure.add_subplot()
-    time, u = joined(setting.time, 1e3 * study.u_val_of(horizon), slices)
-    band(axes, time, -2.0 * u, 2.0 * u)
+    time, u = plots.joined(setting.time, 1e3 * study.u_val_of(horizon), slices)
+    plots.band(axes, time, -2.0 * u, 2.0 * u)
     errors = {one.source: 1e3 * subject.error(one.source, horizon) for one in subject.ranked}
     # Limits the axis to the ball's travel: larger errors carry no further information.
     travel = 1e3 * float(np.ptp(setting.ball.position))
     seen = np.concatenate([part.ravel() for part in (*errors.values(), 2.0 * u, -2.0 * u)])
-    frame(axes, np.clip(seen[np.isfinite(seen)], -travel, travel), margin=0.05)
+    plots.frame(axes, np.clip(seen[np.isfinite(seen)], -travel, travel), margin=0.05)
     for source, error in errors.items():
-        times, values = joined(setting.time, error, slices, subject.drawn)
-        line(axes, times, values, look_of(source))
-        mark_exits(axes, times, values, look_of(source))
-    zero(axes)
-    over_time(axes, setting.time[slices[0].start], setting.time[slices[-1].stop - 1])
+        times, values = plots.joined(setting.time, error, slices, subject.drawn)
+        plots.line(axes, times, values, look_of(source))
+        plots.mark_exits(axes, times, values, look_of(source))
+    plots.zero(axes)
+    plots.over_time(axes, setting.time[slices[0].start], setting.time[slices[-1].stop - 1])
     axes.set_ylabel(f"model − {subject.measured} [mm]")
-    figure.legend(handles=[sample(look_of(one)) for one in errors], loc="outside right upper", handlelength=2.6)
-    return picture(
+    figure.legend(handles=[plots.sample(look_of(one)) for one in errors], loc="outside right upper", handlelength=2.6)
+    return plots.picture(
         figure,
         f"Position error of every source over time, {subject.over(horizon)}, with the band of two u_val.",
         f"Position error of every source {subject.over(horizon)}; grey: ± 2 u_val; triangles: leaves the frame.",
     )
 
 
-@style()
-def _against(subject: Subject) -> Picture:
+@plots.style()
+def _against(subject: Subject) -> plots.Picture:
     horizon = subject.study.headline
     best = subject.ranked[0].source
     others = [one.source for one in subject.ranked if not one.same] or [subject.ranked[-1].source]
     shown = list(dict.fromkeys((best, CAM.name if best != CAM.name else others[0])))
-    figure = drawing(2.4 * len(shown))
+    figure = plots.drawing(2.4 * len(shown))
     grid = figure.subplots(len(shown), 3, sharey="row", squeeze=False)
     for row, source in zip(grid, shown, strict=True):
         error = 1e3 * subject.error(source, horizon)
@@ -84,7 +68,7 @@ def _against(subject: Subject) -> Picture:
         row[0].set_ylabel(f"{label_of(source)}\nerror [mm]")
     for axes in grid[0]:
         axes.tick_params(labelbottom=True)
-    return picture(
+    return plots.picture(
         figure,
         f"Position errors of {' and '.join(map(label_of, shown))} against position, velocity and beam angle.",
         f"Position error of the closest source and a second one, {subject.over(horizon)}, against "
@@ -95,24 +79,24 @@ def _against(subject: Subject) -> Picture:
 def _clouds(row: np.ndarray, subject: Subject, value: FloatArray, at: np.ndarray, look: Look) -> None:
     """`value` at the stamps `at` against s, ṡ and α, one axes each."""
     ball, angle = subject.study.setting.ball, subject.study.setting.drive.states[:, 0]
-    for axes, x in against_state(row, ball.position[at], ball.velocity[at], angle[at]):
-        dots(axes, x, value, look)
-        means(axes, x, value)
+    for axes, x in plots.against_state(row, ball.position[at], ball.velocity[at], angle[at]):
+        plots.dots(axes, x, value, look)
+        plots.means(axes, x, value)
 
 
-@style()
-def _acceleration(subject: Subject) -> Picture:
+@plots.style()
+def _acceleration(subject: Subject) -> plots.Picture:
     time, ball = subject.study.setting.time, subject.study.setting.ball
     residual, std = ball.residual, np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0))
     look = look_of(CAM.name)
-    figure = drawing(5.0)
+    figure = plots.drawing(5.0)
     panels = figure.subplot_mosaic([["time"] * 3, ["s", "v", "a"]])
     top: Axes = panels["time"]
-    band(top, time, residual - 2.0 * std, residual + 2.0 * std)
+    plots.band(top, time, residual - 2.0 * std, residual + 2.0 * std)
     top.plot(time, residual, color=look.colour, linewidth=1.2)
-    zero(top)
-    frame(top, residual, margin=0.25)
-    over_time(top, time[0], time[-1])
+    plots.zero(top)
+    plots.frame(top, residual, margin=0.25)
+    plots.over_time(top, time[0], time[-1])
     at = np.flatnonzero(ball.trusted)
     row = np.array([panels["s"], panels["v"], panels["a"]])
     _clouds(row, subject, residual[at], at, look)
@@ -122,7 +106,7 @@ def _acceleration(subject: Subject) -> Picture:
     for axes in (top, row[0]):
         axes.set_ylabel("residual acceleration\nof CAM [m/s²]")
     scatter, std_rms = float(np.std(residual[at])), rms(std[at])
-    return picture(
+    return plots.picture(
         figure,
         "Residual acceleration of CAM over time and against position, velocity and beam angle.",
         "Residual acceleration: the ball's acceleration that CAM does not explain, estimated from the recording, "

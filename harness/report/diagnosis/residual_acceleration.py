@@ -6,25 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
+from harness.report import plots
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import Look
-from harness.report.plots import (
-    Picture,
-    against_state,
-    band,
-    dots,
-    drawing,
-    frame,
-    means,
-    picture,
-    sample,
-    signal,
-    style,
-    zero,
-)
 
 LEFT = Look("residual acceleration", MODEL.colour, None, 1.2, 3)
 LAW = Look("effects found", FOUND.colour, None, 1.4, 6)
@@ -33,9 +21,7 @@ _LABEL = "residual acceleration\n[m/s²]"
 
 def section(account: Account) -> Section:
     """The section."""
-    residual = np.concatenate([one.residual[one.trusted] for one in account.residual_accelerations])
-    law = np.concatenate([one.law[one.trusted] for one in account.residual_accelerations])
-    deviation = np.concatenate([one.deviation[one.trusted] for one in account.residual_accelerations])
+    residual, law, deviation = _trusted(account, "residual", "law", "deviation")
     context = {
         "changed": account.changed,
         "before": number(rms(residual)),
@@ -47,9 +33,15 @@ def section(account: Account) -> Section:
     return Section("trace", "Residual acceleration", "Residual", "diagnosis/residual_acceleration.html", context)
 
 
+def _trusted(account: Account, *names: str) -> list[FloatArray]:
+    """These signals of all recordings, at trusted readings."""
+    every = account.residual_accelerations
+    return [np.concatenate([getattr(one, name)[one.trusted] for one in every]) for name in names]
+
+
 def _legend(figure: Figure, account: Account) -> None:
     looks = [LEFT, LAW] if account.changed else [LEFT]
-    figure.legend(handles=[sample(look) for look in looks], loc="outside upper left", ncols=2)
+    figure.legend(handles=[plots.sample(look) for look in looks], loc="outside upper left", ncols=2)
 
 
 def _in_newtons(axes: Axes, account: Account) -> None:
@@ -61,26 +53,25 @@ def _in_newtons(axes: Axes, account: Account) -> None:
     right.set_ylabel("force [mN]")
 
 
-@style()
-def _over_time(account: Account) -> Picture:
-    figure = drawing(1.0 + 1.9 * len(account.residual_accelerations))
-    grid = figure.subplots(len(account.residual_accelerations), 1, squeeze=False)[:, 0]
-    for axes, one, record in zip(
-        grid, account.residual_accelerations, account.diagnosis.problem.recordings, strict=True
-    ):
-        band(axes, one.time, one.residual - 2.0 * one.deviation, one.residual + 2.0 * one.deviation)
-        signal(axes, one.time, one.residual, LEFT)
+@plots.style()
+def _over_time(account: Account) -> plots.Picture:
+    every = account.residual_accelerations
+    figure = plots.drawing(1.0 + 1.9 * len(every))
+    grid = figure.subplots(len(every), 1, squeeze=False)[:, 0]
+    for axes, one, record in zip(grid, every, account.diagnosis.problem.recordings, strict=True):
+        plots.band(axes, one.time, one.residual - 2.0 * one.deviation, one.residual + 2.0 * one.deviation)
+        plots.signal(axes, one.time, one.residual, LEFT)
         if account.changed:
-            signal(axes, one.time, one.law, LAW)
-        zero(axes)
+            plots.signal(axes, one.time, one.law, LAW)
+        plots.zero(axes)
         low, high = np.percentile(np.concatenate((one.residual, one.law)), (0.3, 99.7))
-        envelope = 2.0 * float(np.median(one.deviation))
-        frame(axes, np.array([low - envelope, high + envelope]), margin=0.1, least=0.0)
+        room = 2.0 * float(np.median(one.deviation))
+        plots.frame(axes, np.array([low - room, high + room]), margin=0.1, least=0.0)
         axes.set(xlim=(one.time[0], one.time[-1]), title=record.name, ylabel=_LABEL)
         _in_newtons(axes, account)
     grid[-1].set_xlabel("time [s]")
     _legend(figure, account)
-    return picture(
+    return plots.picture(
         figure,
         "Residual acceleration over time, and the acceleration by the effects found.",
         "Residual acceleration: the ball's acceleration that the declared model does not explain, estimated from "
@@ -89,24 +80,21 @@ def _over_time(account: Account) -> Picture:
     )
 
 
-@style()
-def _against(account: Account) -> Picture:
-    position, velocity, angle, residual, law = (
-        np.concatenate([getattr(one, name)[one.trusted] for one in account.residual_accelerations])
-        for name in ("position", "velocity", "angle", "residual", "law")
-    )
-    figure = drawing(3.0)
+@plots.style()
+def _against(account: Account) -> plots.Picture:
+    position, velocity, angle, residual, law = _trusted(account, "position", "velocity", "angle", "residual", "law")
+    figure = plots.drawing(3.0)
     row = figure.subplots(1, 3, sharey=True)
-    for axes, x in against_state(row, position, velocity, angle):
-        dots(axes, x, residual, LEFT)
+    for axes, x in plots.against_state(row, position, velocity, angle):
+        plots.dots(axes, x, residual, LEFT)
         if account.changed:
-            dots(axes, x, law, LAW)
-        means(axes, x, residual)
-    frame(row[0], np.percentile(np.concatenate((residual, law)), (1.0, 99.0)), margin=0.3, least=0.0)
+            plots.dots(axes, x, law, LAW)
+        plots.means(axes, x, residual)
+    plots.frame(row[0], np.percentile(np.concatenate((residual, law)), (1.0, 99.0)), margin=0.3, least=0.0)
     row[0].set_ylabel(_LABEL)
     _in_newtons(row[-1], account)
     _legend(figure, account)
-    return picture(
+    return plots.picture(
         figure,
         "Residual acceleration and that of the effects against position, velocity and beam angle.",
         "The same against position, velocity and beam angle, over all recordings. Black: bin means of the residual "

@@ -16,22 +16,10 @@ from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.numerics import rms
+from harness.report import plots
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.palette import MEASURED_COLOUR, Look
-from harness.report.plots import (
-    Picture,
-    band,
-    drawing,
-    frame,
-    mark_exits,
-    over_time,
-    picture,
-    sample,
-    signal,
-    style,
-    zero,
-)
 from harness.report.tables import Row, Table, texts
 from harness.report.wording import error_size, sentence, words
 
@@ -132,50 +120,50 @@ def _runs(account: Account) -> Runs:
     return [(forecast(diagnosis.problem, fit, shown, given), look) for fit, look in fits[: 2 if account.changed else 1]]
 
 
-@style()
+@plots.style()
 def before_after(account: Account, runs: Runs | None = None) -> Figure:
     """Predictions of the first recording and their errors, without and with what was found."""
     time, reading = account.shown.time, account.shown.reading
     runs = _runs(account) if runs is None else runs
     closest = runs[-1][0]
-    figure = drawing(4.3)
+    figure = plots.drawing(4.3)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
-    band(top, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
+    plots.band(top, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
     known = np.isfinite(reading)
-    signal(top, time[known], reading[known], RECORDED)
-    frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
+    plots.signal(top, time[known], reading[known], RECORDED)
+    plots.frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
     errors = [(1e3 * (one.position - reading), look) for one, look in runs]
     # The difference contains the noise of the reading.
     reach = 2e3 * np.sqrt(closest.deviation**2 + account.diagnosis.problem.reading_variance)
-    band(bottom, time, -reach, reach)
-    zero(bottom)
+    plots.band(bottom, time, -reach, reach)
+    plots.zero(bottom)
     seen = errors[-1][0][known]
     most = _MAX_BAND * float(np.max(np.abs(seen)))
-    frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
+    plots.frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
     for axes, lines, label in (
         (top, [(one.position, look) for one, look in runs], "position $s$ [m]"),
         (bottom, errors, "prediction − reading\n[mm]"),
     ):
         for values, look in lines:
-            signal(axes, time, values, look)
-            mark_exits(axes, time, values, look)
+            plots.signal(axes, time, values, look)
+            plots.mark_exits(axes, time, values, look)
         axes.set_ylabel(label)
         axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
-    over_time(bottom, time[0], time[-1])
-    entries = [sample(RECORDED, account.measured), *(sample(look) for _, look in runs)]
+    plots.over_time(bottom, time[0], time[-1])
+    entries = [plots.sample(RECORDED, account.measured), *(plots.sample(look) for _, look in runs)]
     figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
     return figure
 
 
-@style()
-def _picture(account: Account) -> Picture:
+@plots.style()
+def _picture(account: Account) -> plots.Picture:
     shown, runs = account.shown, _runs(account)
     judged = (shown.time - shown.time[0] >= KNOWN) & np.isfinite(shown.reading)
     ends = [
         f"{look.label} {error_size(rms((one.position - shown.reading)[judged])) if judged.any() else NONE}"
         for one, look in runs
     ]
-    return picture(
+    return plots.picture(
         before_after(account, runs),
         f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
         f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
