@@ -209,7 +209,8 @@ def mutants_of(source: str, without: Sequence[str]) -> list[Mutant]:
 
 def baseline(target: Target, longest: float) -> dict[str, Any]:
     """Cost of each test that passes in time on the sources as they are, and the libraries that are loaded by then."""
-    sources = sorted(file for folder in OWN for file in (ROOT / folder).rglob("*.py"))
+    places = [ROOT / name for name in ("analytic", "harness", *target.tests)]
+    sources = sorted(file for place in places for file in ([place] if place.is_file() else place.rglob("*.py")))
     key = hashlib.sha256(repr((target.tests, target.jit, longest)).encode())
     for source in sources:
         key.update(source.read_bytes())
