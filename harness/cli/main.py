@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -247,7 +248,15 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
     from harness.api.replay import replay as again
 
     done = again(diagnosis, case, refit=refit, progress=True, **options)
-    click.echo(to_json(done.content()) if as_json else done.text(refit=refit))
+    if as_json:
+        content = asdict(done)
+        click.echo(to_json({"diagnosis": str(content.pop("origin")), "reproduced": done.reproduced, **content}))
+    else:
+        how = "fitted on from their numbers" if refit else f"deviances to {done.largest:.1g}"
+        lines = [f"{one.where}: {one.what}" for one in done.mismatches]
+        lines += [f"note: {name} {change} since then" for name, change in done.other_versions.items()]
+        said = "nothing differs" if done.reproduced else f"{len(done.mismatches)} do not come out again"
+        click.echo("\n".join([*lines, f"{done.attempts} attempts, {done.fits} fits replayed ({how}): {said}"]))
     sys.exit(0 if done.reproduced else 1)
 
 
