@@ -70,6 +70,10 @@ test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a proces
 test-slow: $(INSTALLED) ## the tests that take minutes
 	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
 
+.PHONY: mutants
+mutants: $(INSTALLED) ## change the code here and there and list what no test notices (hours; ARGS="--sample 40" takes one)
+	nice $(BIN)/python -m tests.mutation $(ARGS)
+
 .PHONY: lint
 lint: $(INSTALLED) ## ruff: rules and format; import-linter: the floors of docs/development.md
 	$(BIN)/ruff check .

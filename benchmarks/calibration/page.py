@@ -8,7 +8,7 @@ import pandas as pd
 
 from analytic.effects import CONTACT_SLIP, ECCENTRIC_PIVOT, LINKAGE_BACKLASH
 from benchmarks.calibration.rows import Outcome, Row
-from benchmarks.calibration.sizes import SIZES, SPREAD, scales
+from benchmarks.calibration.sizes import SCALES, SIZES, SPREAD
 from benchmarks.calibration.tables import ELSEWHERE
 from benchmarks.calibration.targets import Target, targets
 from benchmarks.calibration.trials import RECORDINGS, STUDIES
@@ -141,7 +141,7 @@ def _table(table: pd.DataFrame) -> str:
 
 def _matrix(table: pd.DataFrame) -> str:
     """Counts, columns by number; the diagonal is bold and zeros are blank."""
-    numbers = {effect: str(number) for number, effect in enumerate(scales(), 1)}
+    numbers = {effect: str(number) for number, effect in enumerate(SCALES, 1)}
     heads = [*numbers.values(), *ELSEWHERE]
     lines = [f"| | {' | '.join(heads)} |", f"|---|{'---|' * len(heads)}"]
     for line in table.to_dict("records"):

@@ -9,18 +9,24 @@ import numpy as np
 
 from analytic.effects import (
     ANGLE_GAIN,
-    CATALOGUE,
+    BALL_IMBALANCE,
+    BEAM_COMPLIANCE,
     CHANNEL_DELAY,
+    CONTACT_SLIP,
+    DIRECTIONAL_RESISTANCE,
+    ECCENTRIC_PIVOT,
     LEVEL_ERROR,
     LINKAGE_BACKLASH,
     POSITION_GAIN,
     POSITION_LAG,
+    PRESLIDING_HYSTERESIS,
+    QUADRATIC_DRAG,
     ROLLING_RADIUS,
     ROLLING_RESISTANCE,
+    STRIBECK_FRICTION,
+    TRACK_BUMP,
     TRACK_CURVATURE,
     VISCOUS_DAMPING,
-    Effect,
-    TrialSize,
 )
 from analytic.rig import Rig
 
@@ -40,12 +46,14 @@ class Scale:
         fixed: between which values the other parameters are drawn, whatever the size (SI).
         neutral: value of the growing parameters at which nothing acts (SI).
         signed: whether either sign can be.
+        engines: whether the engines' scenes can show it; the virtual rig can show all.
     """
 
     middle: Mapping[str, float]
     fixed: Mapping[str, Interval] = field(default_factory=dict)
     neutral: float = 0.0
     signed: bool = False
+    engines: bool = True
 
     def drawn(self, factor: float, generator: np.random.Generator) -> dict[str, float]:
         """Values at `factor` times the middle size, within ± `SPREAD`, with a random sign where it has one."""
@@ -61,17 +69,36 @@ class Scale:
         return self.neutral + factor * (self.middle[name] - self.neutral)
 
 
-def scales() -> dict[str, Scale]:
-    """Every effect of the catalogue that says how large it is in a trial."""
-    return {name: _scale(effect, effect.trial) for name, effect in CATALOGUE.items() if effect.trial is not None}
-
-
-def _scale(effect: Effect, size: TrialSize) -> Scale:
-    neutral = effect.parameters[0].neutral_on(Rig()) if size.neutral is None else size.neutral
-    return Scale(middle=size.middle, fixed=size.fixed, neutral=neutral, signed=size.signed)
-
-
 _AMID: Interval = (0.28, 0.38)  # where the ball passes most often in the moves of `harness.simulator.moves` [m]
+
+SCALES = {
+    VISCOUS_DAMPING.name: Scale(middle={"coefficient": 0.03}),
+    QUADRATIC_DRAG.name: Scale(middle={"coefficient": 0.2}),
+    ROLLING_RESISTANCE.name: Scale(middle={"coefficient": 0.004}),
+    DIRECTIONAL_RESISTANCE.name: Scale(middle={"coefficient_plus": 0.002, "coefficient_minus": 0.005}),
+    STRIBECK_FRICTION.name: Scale(
+        middle={"static_coefficient": 0.006, "kinetic_coefficient": 0.003}, fixed={"stribeck_velocity": (0.015, 0.03)}
+    ),
+    PRESLIDING_HYSTERESIS.name: Scale(middle={"coefficient": 0.004}, fixed={"stiffness": (15.0, 50.0)}),
+    LEVEL_ERROR.name: Scale(middle={"angle": 0.005}, signed=True),
+    TRACK_CURVATURE.name: Scale(middle={"curvature": 0.06}, fixed={"centre": _AMID}, signed=True),
+    TRACK_BUMP.name: Scale(middle={"height": 2e-4}, fixed={"centre": _AMID, "width": (0.015, 0.025)}, signed=True),
+    BEAM_COMPLIANCE.name: Scale(middle={"compliance": 0.02}),
+    BALL_IMBALANCE.name: Scale(middle={"offset": 5e-5}),
+    # smaller only: a ball cannot roll on more than its radius
+    ROLLING_RADIUS.name: Scale(middle={"radius": 0.0105}, neutral=Rig().rolling_radius),
+    # In these moves the ball keeps its grip from about μ = 0.019 on. An engine's ball cannot be made to slide by a
+    # force along the beam.
+    CONTACT_SLIP.name: Scale(middle={"friction_coefficient": 0.012}, neutral=0.019, engines=False),
+    ECCENTRIC_PIVOT.name: Scale(middle={"eccentricity": Rig().eccentricity}),
+    ANGLE_GAIN.name: Scale(middle={"gain": 1.05}, neutral=1.0, signed=True),
+    # the jolt of a gap that closes throws the ball off an engine's edges
+    LINKAGE_BACKLASH.name: Scale(middle={"width": 0.0087}, engines=False),
+    CHANNEL_DELAY.name: Scale(middle={"delay": 0.05}, signed=True),
+    POSITION_GAIN.name: Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
+    POSITION_LAG.name: Scale(middle={"time_constant": 0.04}),
+}
+"""Every effect of the catalogue, in its order."""
 
 UNLISTED_SCALES: Mapping[str, Scale] = {
     "gust": Scale(middle={"force": 0.008}, fixed={"start": (3.0, 6.0), "end": (8.0, 13.0)}, signed=True),

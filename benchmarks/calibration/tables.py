@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from benchmarks.calibration.rows import Interval, Outcome, Row
-from benchmarks.calibration.sizes import PAIRS, POWER, SIZES, UNLISTED_SCALES, scales
+from benchmarks.calibration.sizes import PAIRS, POWER, SCALES, SIZES, UNLISTED_SCALES
 
 ALL = "all"
 ELSEWHERE = ("several", "a curve", "nothing")
@@ -66,9 +66,9 @@ def null_named(rows: Iterable[Row]) -> pd.DataFrame:
 
 def recovery(rows: Iterable[Row]) -> pd.DataFrame:
     """Outcomes of single effects of the catalogue by effect and size, and of all effects; `rate`: right or partner."""
-    single = [row for row in rows if row.trial.study == "confusion" and row.trial.name in scales()]
+    single = [row for row in rows if row.trial.study == "confusion" and row.trial.name in SCALES]
     lines = []
-    for effect in (*scales(), ALL):
+    for effect in (*SCALES, ALL):
         for size in SIZES:
             here = [row for row in single if row.trial.size == size and effect in (row.trial.name, ALL)]
             if here:
@@ -87,10 +87,10 @@ def confusion(rows: Iterable[Row], size: str) -> pd.DataFrame:
     lines: dict[str, dict[str, int]] = {}
     for row in rows:
         trial = row.trial
-        if trial.study == "confusion" and trial.name in scales() and trial.size == size and row.error is None:
-            line = lines.setdefault(trial.name, dict.fromkeys((*scales(), *ELSEWHERE), 0))
+        if trial.study == "confusion" and trial.name in SCALES and trial.size == size and row.error is None:
+            line = lines.setdefault(trial.name, dict.fromkeys((*SCALES, *ELSEWHERE), 0))
             line[_heading(row)] += 1
-    ordered = {name: lines[name] for name in scales() if name in lines}
+    ordered = {name: lines[name] for name in SCALES if name in lines}
     return pd.DataFrame.from_dict(ordered, orient="index").rename_axis("acts").reset_index()
 
 
@@ -123,7 +123,7 @@ def power(rows: Iterable[Row]) -> pd.DataFrame:
     lines = []
     followed = [row for row in rows if row.trial.study in ("confusion", "power") and row.trial.name in POWER]
     for effect in POWER:
-        scale, parameter = scales()[effect], next(iter(scales()[effect].middle))
+        scale, parameter = SCALES[effect], next(iter(SCALES[effect].middle))
         for factor in sorted({row.trial.factor for row in followed if row.trial.name == effect}):
             here = [row for row in followed if row.trial.name == effect and row.trial.factor == factor]
             found = sum(row.outcome.found for row in here)
@@ -137,9 +137,7 @@ def power(rows: Iterable[Row]) -> pd.DataFrame:
 def coverage(rows: Iterable[Row]) -> pd.DataFrame:
     """How often 95 % intervals hold the truth where all that acts was named, by parameter, and of all."""
     found = [interval for row in rows for interval in row.intervals()]
-    keys = sorted(
-        {(one.effect, one.parameter) for one in found}, key=lambda key: (list(scales()).index(key[0]), key[1])
-    )
+    keys = sorted({(one.effect, one.parameter) for one in found}, key=lambda key: (list(SCALES).index(key[0]), key[1]))
     lines = []
     for effect, parameter in keys:
         here = [one for one in found if (one.effect, one.parameter) == (effect, parameter)]
@@ -160,7 +158,7 @@ def plants(rows: Iterable[Row]) -> pd.DataFrame:
     """Recovery of single effects at the middle size and up, and coverage, by plant and encoder, and of all."""
 
     def judged(here: Sequence[Row]) -> dict[str, float]:
-        sized = [row for row in here if row.trial.factor >= SIZES["middle"] and row.trial.name in scales()]
+        sized = [row for row in here if row.trial.factor >= SIZES["middle"] and row.trial.name in SCALES]
         told = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
         recovered = {f"recovery_{key}": value for key, value in rate(told, len(sized)).items()}
         covered = _covered([interval for row in here for interval in row.intervals()])

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
-from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SIZES, UNLISTED_SCALES, scales
+from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
 from harness.errors import InputError
 
 Values = dict[str, dict[str, float]]
@@ -116,7 +116,7 @@ def _null(count: int) -> Iterator[Trial]:
 
 def _confusion(seeds: int) -> Iterator[Trial]:
     """Every effect at every size, then unlisted structures and pairs at the middle one."""
-    for row, name in enumerate(scales()):
+    for row, name in enumerate(SCALES):
         for column, factor in enumerate(SIZES.values()):
             for number in range(seeds):
                 yield _trial("confusion", (name,), factor, number, fine=(row + column + number) % 2 == 0)
@@ -136,8 +136,7 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
     name = " + ".join(names) or "none"
     # crc32 rather than hash(): the same in every process
     generator = np.random.default_rng((_SEED, zlib.crc32(f"{study} {name} {factor:g} {number}".encode())))
-    listed = scales()
-    hidden = {each: listed[each].drawn(factor, generator) for each in names if each in listed}
+    hidden = {each: SCALES[each].drawn(factor, generator) for each in names if each in SCALES}
     unlisted = {each: UNLISTED_SCALES[each].drawn(factor, generator) for each in names if each in UNLISTED_SCALES}
     return Trial(
         study=study,
@@ -158,8 +157,7 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
 
 def in_engines(name: str) -> bool:
     """Whether the engines' scenes can show this effect."""
-    size = CATALOGUE[name].trial
-    return size is not None and size.engines
+    return SCALES[name].engines
 
 
 def _declared(generator: np.random.Generator, hidden: Values) -> Values:

@@ -105,9 +105,10 @@ class LoadedDiagnosis(Summarised):
 
             from harness.identify.estimate.forecast import forecast
             from harness.identify.model_file import read_model, rig_of
-            from harness.identify.problem.prepare import record_from
+            from harness.identify.problem.problem import PreparedRecording
+            from harness.preparation.recordings import observe
 
-            record, _ = record_from(read, sensors, rig_of(model))
+            record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
             problem, found = read_model(model, record, str(self.origin))
             return pd.DataFrame(forecast(problem, found, record, record.reading).table())
 

@@ -1,4 +1,4 @@
-"""The command line: parse, call, print. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 engine failed."""
+"""The commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 an engine failed."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from harness.errors import HarnessError
 
 
 class Friendly(click.Group):
-    """Turns errors meant for the user into one message and their exit code."""
+    """A group that turns a `HarnessError` into a message and its exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; an error meant for the user ends it with one message."""
+        """Run the command; a `HarnessError` ends it with one message."""
         try:
             return super().invoke(ctx)
         except HarnessError as error:
@@ -49,7 +49,7 @@ class StateType(click.ParamType):
     name = "S,V"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
-        """Read the text of the option."""
+        """Parse the option."""
         if value is None or isinstance(value, State) or value == "estimate":
             return None if value == "estimate" else value
         try:
@@ -67,7 +67,7 @@ class AngleType(click.ParamType):
     name = "ANGLE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read the text of the option; radians."""
+        """Parse the option; radians."""
         if value is None or isinstance(value, float) or value == "estimate":
             return value
         found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
@@ -76,7 +76,7 @@ class AngleType(click.ParamType):
         except ValueError:
             angle = math.nan
         if not math.isfinite(angle):
-            self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+            self.fail(f"{value!r} is not an angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
         return angle
 
 
@@ -87,7 +87,7 @@ _effects_option = click.option(
     multiple=True,
     type=_PATH,
     metavar="FILE",
-    help="Python file with effects of your own, known beside the catalogue; repeatable.",
+    help="Python file with effects of your own, added to the catalogue; repeatable.",
 )
 
 
@@ -101,7 +101,7 @@ def main() -> None:
       harness run                       the bundled, simulated recording of the paper's protocol
       harness run my_rig/               a folder with rig.toml and CSV recordings
       harness run swing.csv             one recording of the paper's rig
-      harness diagnose my_rig/          what the model lacks, by name and size
+      harness diagnose my_rig/          missing physics by name, with parameters and intervals
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness replay reports/my_rig/ my_rig/
 
@@ -135,14 +135,14 @@ def main() -> None:
     type=StateType(),
     default="estimate",
     show_default=True,
-    help="Ball at the first stamp, position [m] and velocity [m/s].",
+    help="Initial state at the first stamp, position [m] and velocity [m/s].",
 )
 @click.option(
     "--level-angle",
     type=AngleType(),
     metavar="ANGLE|estimate",
-    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated where the rig is not "
-    "known].",
+    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated if rig quantities are "
+    "unknown].",
 )
 @click.option(
     "--window",
@@ -160,9 +160,9 @@ def main() -> None:
     metavar="METRES",
     help="Half width of the tolerance tube.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the draws that propagate uncertainty.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the Monte Carlo draws.")
 @click.option(
-    "--check", "check_limits", is_flag=True, help="Hold the result to tolerances; exit code 1 if one is broken."
+    "--check", "check_limits", is_flag=True, help="Check the result against tolerances; exit code 1 if one is violated."
 )
 @click.option(
     "--tolerances",
@@ -171,7 +171,7 @@ def main() -> None:
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
 @_effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
 
@@ -198,17 +198,17 @@ def run(case: Path | None, **options: Any) -> None:
     multiple=True,
     type=_PATH,
     metavar="FILE",
-    help="Further recording of the rig, with positions: nothing is fitted to it, errors before and after are reported "
-    "for it; repeatable.",
+    help="Further recording of the rig, with positions, for validation only: errors before and after are reported; "
+    "repeatable.",
 )
 @_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
-    """Find what the model lacks: name the effect, its size and interval, and the error before and after.
+    """Identify missing physics: effects with parameters and intervals, and the errors before and after.
 
     CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
     diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
-    next_experiment.csv, the beam angle [rad] to record next, where one would tell more. Values are in SI units.
+    next_experiment.csv, the beam angle [rad] to record next, if one is proposed. Values are in SI units.
 
     \b
     Examples:
@@ -230,14 +230,16 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
 @main.command()
 @click.argument("diagnosis", type=_PATH)
 @click.argument("case", type=_PATH)
-@click.option("--refit", is_flag=True, help="Fit every hypothesis on from its numbers, and decide by what comes out.")
+@click.option(
+    "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
+)
 @_effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
-    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
 
-    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything
-    differs, with 2 if an input file has changed since.
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. The exit code is 1 if anything
+    differs, 2 if an input file has changed since.
 
     \b
     Examples:
@@ -252,11 +254,11 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
         content = asdict(done)
         click.echo(to_json({"diagnosis": str(content.pop("origin")), "reproduced": done.reproduced, **content}))
     else:
-        how = "fitted on from their numbers" if refit else f"deviances to {done.largest:.1g}"
-        lines = [f"{one.where}: {one.what}" for one in done.mismatches]
-        lines += [f"note: {name} {change} since then" for name, change in done.other_versions.items()]
-        said = "nothing differs" if done.reproduced else f"{len(done.mismatches)} do not come out again"
-        click.echo("\n".join([*lines, f"{done.attempts} attempts, {done.fits} fits replayed ({how}): {said}"]))
+        how = "re-optimised from their parameters" if refit else f"deviances within {done.largest:.1g}"
+        lines = [f"{mismatch.where}: {mismatch.what}" for mismatch in done.mismatches]
+        lines += [f"note: {name} has changed since: {change}" for name, change in done.other_versions.items()]
+        result = "nothing differs" if done.reproduced else f"{len(done.mismatches)} differ"
+        click.echo("\n".join([*lines, f"{done.attempts} decisions, {done.fits} fits replayed ({how}): {result}"]))
     sys.exit(0 if done.reproduced else 1)
 
 
@@ -265,12 +267,12 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
 @click.argument("recording", type=_PATH)
 @click.option("--out", type=_PATH, help="CSV to write [default: <recording>_predicted.csv beside it].")
 @_effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
+@click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
 def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, **options: Any) -> None:
-    """Predict ball positions from the angle alone, with the model that a diagnosis found.
+    """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
-    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and the 95 % band
+    second or so; the initial state is estimated from the others. Writes time_s, ball_position_m and the 95 % interval
     low_m, high_m.
 
     \b

@@ -1,4 +1,4 @@
-"""`harness run`: one recording through every model and engine, into a report."""
+"""`harness run`: compare every model and engine with one recording, write a report."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ def run_case(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Run the comparison, write its files, say the answer; return the exit code.
+    """Run the comparison, write its files, print the result; return the exit code.
 
     Args:
         path: of the case; `None` for the bundled one.
         out: folder to write into.
         assignments, parameters: settings of engines, as texts and as a file.
-        check_limits: hold the result to tolerances.
-        as_json: print for machines.
+        check_limits: check the result against tolerances.
+        as_json: print JSON.
         options: of `harness.comparison`.
 
     Raises:
-        InputError: anything the user gave cannot be used; nothing has been written then.
+        InputError: an input cannot be used; nothing has been written then.
     """
     from harness.engines.catalogue import read_settings
 
@@ -53,7 +53,7 @@ def run_case(
 
 
 def _failures(result: Comparison) -> list[str]:
-    """One message an engine, however many of its runs failed."""
+    """One message per engine, whatever the number of its failed runs."""
     failed = Counter(failure.engine for failure in result.failures)
     first = {failure.engine: failure for failure in reversed(result.failures)}
     runs = Counter(run.source for run in result.study.runs for _ in run.horizon.first)
@@ -83,7 +83,7 @@ def _as_json(made: Comparison, folder: Path) -> str:
 
 
 def _as_text(made: Comparison, folder: Path) -> str:
-    """The answer on a terminal: the table of the headline horizon, the checks, where the report is."""
+    """Text for the terminal: answer, scores at the headline horizon, checks, path of the report."""
     result, limits = made.study, made.limits
     setting = result.setting
     lines = [
@@ -93,9 +93,9 @@ def _as_text(made: Comparison, folder: Path) -> str:
         f"  {one.severity}: {one.where}: {one.text}" for one in setting.case.findings if one.severity == "warning"
     ]
     for one in setting.estimates:
-        spread = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # what is assumed has none
+        error = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # an assumed value has none
         unit = "" if one.unit == "1" else f" {one.unit}"
-        lines.append(f"  {one.name} = {one.value:.5g}{spread}{unit} ({one.how})")
+        lines.append(f"  {one.name} = {one.value:.5g}{error}{unit} ({one.how})")
     lines += ["", *made.answer, "", _table(made)]
     if limits is not None:
         from harness.tolerances import render_table

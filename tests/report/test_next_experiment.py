@@ -36,7 +36,7 @@ def test_it_says_what_to_run_and_what_to_expect() -> None:
     """Lead with one sentence of the hardest pair, then a picture, and every pair with its σ in a table."""
     html = page(proposal(APART))
     answer = html[html.index('class="answer"') : html.index("<figure>")]
-    assert "To tell rolling radius from position gain, run the profile “slow swing”" in answer
+    assert "To distinguish rolling radius from position gain, run the profile “slow swing”" in answer
     assert "expected separation 7.4 σ (0.8 σ on the data at hand)" in answer
     table = html[html.index("Expected discrimination") :].split("</table>")[0]
     assert [re.findall(r">(\d\.\d)<", row) for row in table.split("<tr")[2:]] == [

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from harness.comparison.setting import ball_of
 from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.record import DiagnosisRecord
 from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
+from harness.preparation.recordings import observe
 from harness.recording import Case
 from harness.report.palette import Look
 from harness.signals.ball_state import BallEstimate
@@ -68,7 +68,7 @@ class Account:
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
-        return ball_of(self.case, self.case.recordings[record.name], record.drive, self.diagnosis.problem.rig)
+        return observe(self.case.recordings[record.name], self.case.sensors, self.diagnosis.problem.rig).ball
 
     @cached_property
     def force(self) -> float:
