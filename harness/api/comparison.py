@@ -80,23 +80,8 @@ class Comparison(Summarised):
     def summary(self) -> Summary:
         """The answer and the scores on the headline horizon."""
         source, *numbers = HEADS
-        table = Table(f"Horizon: {self.study.headline.name}", [*texts(source), *numbers], self.rows())
+        table = Table(f"Horizon: {self.study.headline.name}", [*texts(source), *numbers], headline_rows(self.study))
         return Summary(f"Comparison of {self.study.setting.recording.path}", self.answer, [table])
-
-    def rows(self) -> list[tuple[str, ...]]:
-        """The scores of every source on the headline horizon, as texts under `HEADS`."""
-        scores = [self.study.score_of(name, self.study.headline) for name in self.study.sources]
-        return [
-            (
-                one.source,
-                f"{one.rms_error_mm:.2f}",
-                f"{1e3 * one.max_error_m:.2f}",
-                f"{one.fit_percent:.1f}",
-                f"{one.rms_error_over_uncertainty:.1f}",
-                f"{one.iso18571_rating:.2f}",
-            )
-            for one in scores
-        ]
 
     def plot(self) -> Figure:
         """The recording against all sources, on the horizon of the answer."""
@@ -208,6 +193,22 @@ def compare(
                 tell("report", share=0.8)
                 made._write(scratch)
     return made
+
+
+def headline_rows(study: Study) -> list[tuple[str, ...]]:
+    """The scores of every source on the headline horizon, as texts under `HEADS`."""
+    scores = [study.score_of(name, study.headline) for name in study.sources]
+    return [
+        (
+            one.source,
+            f"{one.rms_error_mm:.2f}",
+            f"{1e3 * one.max_error_m:.2f}",
+            f"{one.fit_percent:.1f}",
+            f"{one.rms_error_over_uncertainty:.1f}",
+            f"{one.iso18571_rating:.2f}",
+        )
+        for one in scores
+    ]
 
 
 def _choose_engines(

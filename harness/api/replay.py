@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from harness.api.case import case_of
 from harness.api.diagnosis import input_hashes
@@ -45,19 +45,6 @@ class Replayed:
     def reproduced(self) -> bool:
         """Whether everything came out again."""
         return not self.mismatches
-
-    def content(self) -> dict[str, Any]:
-        """Everything, as for JSON."""
-        content = asdict(self)
-        return {"diagnosis": str(content.pop("origin")), "reproduced": self.reproduced, **content}
-
-    def text(self, *, refit: bool = False) -> str:
-        """In words; `refit` as it was asked for."""
-        how = "re-optimised from their parameters" if refit else f"deviances within {self.largest:.1g}"
-        lines = [f"{one.where}: {one.what}" for one in self.mismatches]
-        lines += [f"note: {name} {change} since then" for name, change in self.other_versions.items()]
-        said = "nothing differs" if self.reproduced else f"{len(self.mismatches)} differ"
-        return "\n".join([*lines, f"{self.attempts} decisions, {self.fits} fits replayed ({how}): {said}"])
 
 
 def replay(

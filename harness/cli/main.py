@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -249,7 +250,15 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
     from harness.api.replay import replay as again
 
     done = again(diagnosis, case, refit=refit, progress=True, **options)
-    click.echo(to_json(done.content()) if as_json else done.text(refit=refit))
+    if as_json:
+        content = asdict(done)
+        click.echo(to_json({"diagnosis": str(content.pop("origin")), "reproduced": done.reproduced, **content}))
+    else:
+        how = "re-optimised from their parameters" if refit else f"deviances within {done.largest:.1g}"
+        lines = [f"{mismatch.where}: {mismatch.what}" for mismatch in done.mismatches]
+        lines += [f"note: {name} has changed since: {change}" for name, change in done.other_versions.items()]
+        result = "nothing differs" if done.reproduced else f"{len(done.mismatches)} differ"
+        click.echo("\n".join([*lines, f"{done.attempts} decisions, {done.fits} fits replayed ({how}): {result}"]))
     sys.exit(0 if done.reproduced else 1)
 
 

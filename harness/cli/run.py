@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from harness.api.comparison import HEADS, REPORT, Comparison, compare
+from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
 from harness.recording.case import BUNDLED
 
@@ -105,6 +105,6 @@ def _as_text(made: Comparison, folder: Path) -> str:
 
 
 def _table(made: Comparison) -> str:
-    rows = [HEADS, *made.rows()]
+    rows = [HEADS, *headline_rows(made.study)]
     lines = [f"{name:<30}" + "".join(map(str.rjust, cells, (10, 10, 9, 9, 11))) for name, *cells in rows]
     return "\n".join([f"horizon: {made.study.headline.name}", *lines])
