@@ -7,6 +7,7 @@ through the filter with the first reading only, which gives the noiseless record
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,26 +47,39 @@ class SimulatedRun:
     size: float
 
 
+class Servo(NamedTuple):
+    """The servo that turns the beam behind a transmission.
+
+    Attributes:
+        stiffness: 2 ζ ω₀ [1/s].
+        limits: of α, α̇, α̈, shape (3,) [rad, rad/s, rad/s²].
+        gain, half: beam angle per measured angle [1], with backlash ± `half` [rad].
+    """
+
+    stiffness: float
+    limits: FloatArray
+    gain: float
+    half: float
+
+
+class Feedback(NamedTuple):
+    """State feedback of natural frequency `hold` [rad/s], for a ball of acceleration `pull` per angle [m/s² per rad]."""
+
+    hold: float
+    pull: float
+
+
 @njit(cache=True, nogil=True)
 def _play(
-    target: FloatArray,
-    push: FloatArray,
-    dt: float,
-    p: FloatArray,
-    gain: float,
-    half: float,
-    hold: float,
-    pull: float,
-    limits: FloatArray,
-    servo: float,
-    states: FloatArray,
-    ball: FloatArray,
-) -> None:
+    target: FloatArray, push: FloatArray, dt: float, p: FloatArray, servo: Servo, feedback: Feedback
+) -> tuple[FloatArray, FloatArray]:
     """Simulate servo and ball while feedback makes the ball follow `target`, shape (n,) [m].
 
-    Fills `states`, α, α̇, α̈ of the measured angle, shape (n, 3), and `ball`, s, shape (n,) [m]. α̈ is linear between
-    stamps. The beam is `gain` times the angle, with backlash ± `half` [rad]; `limits` are those of α, α̇, α̈.
+    Gives α, α̇, α̈ of the measured angle, shape (n, 3), and s, shape (n,) [m]. α̈ is linear between stamps.
     """
+    stiffness, limits, gain, half = servo
+    hold, pull = feedback
+    states, ball = np.empty((len(target), 3)), np.empty(len(target))
     s, v, w, turned, rate, bent = target[0], 0.0, 0.0, 0.0, 0.0, 0.0
     beam, speed = 0.0, 0.0
     motion = np.zeros((3, 3))  # of the beam over a step
@@ -77,9 +91,9 @@ def _play(
         bend = (target[ahead] - 2.0 * target[k] + target[behind]) / dt**2 if 0 < k < last else 0.0
         wanted = (bend + hold**2 * (target[k] - s) + 2.0 * hold * (slope - v)) / pull + push[k]
         wanted = min(max(wanted, -limits[0]), limits[0])
-        quick = min(max(0.25 * servo * (wanted - turned), -limits[1]), limits[1])
-        asked = min(max(servo * (quick - rate), -limits[2]), limits[2])
-        after = bent + (asked - bent) * min(1.0, 2.0 * servo * dt)
+        quick = min(max(0.25 * stiffness * (wanted - turned), -limits[1]), limits[1])
+        asked = min(max(stiffness * (quick - rate), -limits[2]), limits[2])
+        after = bent + (asked - bent) * min(1.0, 2.0 * stiffness * dt)
         turned += dt * rate + dt * dt * (2.0 * bent + after) / 6.0
         rate += 0.5 * dt * (bent + after)
         bent = after
@@ -91,6 +105,7 @@ def _play(
         motion[2, :2] = next_beam, next_speed
         s, v, w = advance(s, v, w, dt, motion, 0, p)
         beam, speed = next_beam, next_speed
+    return states, ball
 
 
 def simulate_closed_loop(
@@ -138,24 +153,10 @@ def _simulate(
     if spline is not None:
         spline.write(p)
     transmission = transmission_with(effects)
-    states, ball = np.empty((len(target), 3)), np.empty(len(target))
     # The stiffness is limited by the sampling interval and by the largest acceleration.
-    servo = min(_STIFFEST, 0.5 / envelope.interval, np.sqrt(_SOFTER * envelope.acceleration / envelope.angle))
-    _play(
-        target,
-        push,
-        envelope.interval,
-        p,
-        transmission.gain,
-        0.5 * transmission.play,
-        profile.hold,
-        envelope.pull,
-        _SHARE * envelope.limits,
-        servo,
-        states,
-        ball,
-    )
-    return states, ball
+    stiffness = min(_STIFFEST, 0.5 / envelope.interval, np.sqrt(_SOFTER * envelope.acceleration / envelope.angle))
+    servo = Servo(float(stiffness), _SHARE * envelope.limits, transmission.gain, 0.5 * transmission.play)
+    return _play(target, push, envelope.interval, p, servo, Feedback(profile.hold, envelope.pull))
 
 
 def _predict(
