@@ -78,8 +78,8 @@ def recovery(rows: Iterable[Row]) -> pd.DataFrame:
 
 def _outcomes(rows: Sequence[Row]) -> dict[str, float]:
     counts = {str(outcome): sum(row.outcome is outcome for row in rows) for outcome in Outcome}
-    told = counts[Outcome.RIGHT] + counts[Outcome.PARTNER]
-    return {"cases": len(rows), **counts, **rate(told, len(rows))}
+    recovered = counts[Outcome.RIGHT] + counts[Outcome.PARTNER]
+    return {"cases": len(rows), **counts, **rate(recovered, len(rows))}
 
 
 def confusion(rows: Iterable[Row], size: str) -> pd.DataFrame:
@@ -161,10 +161,10 @@ def plants(rows: Iterable[Row]) -> pd.DataFrame:
 
     def summary(here: Sequence[Row]) -> dict[str, float]:
         sized = [row for row in here if row.trial.factor >= SIZES["middle"] and row.trial.name in scales()]
-        told = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
-        recovered = {f"recovery_{key}": value for key, value in rate(told, len(sized)).items()}
+        right = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
+        recovered = {f"recovery_{key}": value for key, value in rate(right, len(sized)).items()}
         covered = _covered([interval for row in here for interval in row.intervals()])
-        return {"cases": len(sized), "told": told, **recovered, **covered}
+        return {"cases": len(sized), "recovered": right, **recovered, **covered}
 
     return _by_plant([row for row in rows if row.trial.study == "confusion"], summary)
 
