@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic import slots
 from analytic.compiled import njit
-from analytic.models import LAW_SLOTS, SLOTS, Model, coefficients
+from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
 from analytic.step import advance
@@ -135,25 +136,15 @@ def integrate(
     last = np.full(count, len(grid.time) - 1) if last is None else np.asarray(last, np.int64)
     if tables.shape[1:] != (2 * len(grid.steps) + 1, 3):
         raise ValueError(f"tables have shape {tables.shape}; the grid asks for (…, {2 * len(grid.steps) + 1}, 3)")
-    laws, rest = divmod(parameters.shape[1] - SLOTS, LAW_SLOTS)
+    laws, rest = divmod(parameters.shape[1] - slots.SLOTS, slots.LAW_SLOTS)
     if laws < 0 or rest or starts.shape[1] != 2 or not len(table_of) == len(first) == len(last) == count:
-        raise ValueError(f"{count} runs need as many starts (s, ṡ), motions and windows, and {SLOTS} parameters each")
+        raise ValueError(f"{count} runs need as many starts (s, ṡ), motions, windows and {slots.SLOTS} parameters")
     if np.any((table_of < 0) | (table_of >= len(tables))):
         raise ValueError(f"table_of must lie within 0 … {len(tables) - 1}")
     if np.any((first < 0) | (first > last) | (last >= len(grid.time))):
         raise ValueError(f"windows must satisfy 0 <= first <= last <= {len(grid.time) - 1}")
     out = np.full((count, len(grid.time), 2), np.nan)
-    _integrate(
-        grid.steps,
-        grid.marks,
-        np.ascontiguousarray(tables),
-        table_of,
-        parameters,
-        starts,
-        first,
-        last,
-        out,
-    )
+    _integrate(grid.steps, grid.marks, np.ascontiguousarray(tables), table_of, parameters, starts, first, last, out)
     return Runs(grid.time, out[..., 0], out[..., 1])
 
 

@@ -7,46 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from analytic import slots
 from analytic.compiled import njit
-from analytic.models import (
-    BUMP_CENTRE,
-    BUMP_HEIGHT,
-    BUMP_WIDTH,
-    CENTRIFUGAL,
-    COMPLIANCE,
-    CURVATURE,
-    CURVATURE_CENTRE,
-    DRY_MINUS,
-    DRY_PLUS,
-    DRY_STATIC,
-    ECCENTRIC,
-    FRICTION_GAIN,
-    GRAVITY,
-    HEIGHT,
-    IMBALANCE,
-    LAW_MARGIN,
-    LAW_NODES,
-    LAW_SLOTS,
-    LEVEL,
-    LINEAR,
-    ORIGIN,
-    PHASE,
-    QUADRATIC,
-    READING,
-    RESPONSE,
-    ROLL,
-    SHAPE,
-    SHAPE_COUNT,
-    SHAPE_LOW,
-    SHAPE_NODES,
-    SHAPE_STEP,
-    SLOTS,
-    STRIBECK_VELOCITY,
-    TRANSITION,
-    VISCOUS,
-    WEIGHT,
-    Reading,
-)
+from analytic.models import Reading
 from analytic.motion import FloatArray
 
 # What a curve depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the ball or
@@ -72,43 +35,43 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
         angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
         p: from `models.coefficients`, with effects written into it, shape (SLOTS,) or longer where laws follow.
     """
-    tilt = angle + p[LEVEL]
-    if p[CURVATURE] != 0.0:
-        tilt += p[CURVATURE] * (p[CURVATURE_CENTRE] - s)
-    if p[COMPLIANCE] != 0.0:
-        tilt += p[COMPLIANCE] * s
-    if p[BUMP_HEIGHT] != 0.0:
-        u = (s - p[BUMP_CENTRE]) / p[BUMP_WIDTH]
-        tilt += p[BUMP_HEIGHT] / p[BUMP_WIDTH] * u * np.exp(-0.5 * u * u)
-    if p[LINEAR] == 0.0:
+    tilt = angle + p[slots.LEVEL]
+    if p[slots.CURVATURE] != 0.0:
+        tilt += p[slots.CURVATURE] * (p[slots.CURVATURE_CENTRE] - s)
+    if p[slots.COMPLIANCE] != 0.0:
+        tilt += p[slots.COMPLIANCE] * s
+    if p[slots.BUMP_HEIGHT] != 0.0:
+        u = (s - p[slots.BUMP_CENTRE]) / p[slots.BUMP_WIDTH]
+        tilt += p[slots.BUMP_HEIGHT] / p[slots.BUMP_WIDTH] * u * np.exp(-0.5 * u * u)
+    if p[slots.LINEAR] == 0.0:
         tilt = np.sin(tilt)
-    result = p[GRAVITY] * tilt + p[CENTRIFUGAL] * s * rate * rate - p[ECCENTRIC] * angular
-    if p[VISCOUS] != 0.0:
-        result -= p[VISCOUS] * v
-    if p[QUADRATIC] != 0.0:
-        result -= p[QUADRATIC] * abs(v) * v
-    if p[IMBALANCE] != 0.0:
-        result += p[IMBALANCE] * np.sin(rolled(s, p))
-    if p[SHAPE] == OF_POSITION:
-        result += p[RESPONSE] * curve(s, p)
-    elif p[SHAPE] == OF_VELOCITY:
-        result += p[RESPONSE] * curve(v, p)
-    elif p[SHAPE] == OF_ANGLE:
-        result += p[RESPONSE] * curve(angle, p)
-    elif p[SHAPE] == OF_ROLL:
-        result += p[RESPONSE] * curve(rolled(s, p), p)
-    if len(p) > SLOTS:
-        result += p[RESPONSE] * laws(s, v, angle, p)
-    reading = int(p[READING])
+    result = p[slots.GRAVITY] * tilt + p[slots.CENTRIFUGAL] * s * rate * rate - p[slots.ECCENTRIC] * angular
+    if p[slots.VISCOUS] != 0.0:
+        result -= p[slots.VISCOUS] * v
+    if p[slots.QUADRATIC] != 0.0:
+        result -= p[slots.QUADRATIC] * abs(v) * v
+    if p[slots.IMBALANCE] != 0.0:
+        result += p[slots.IMBALANCE] * np.sin(rolled(s, p))
+    if p[slots.SHAPE] == OF_POSITION:
+        result += p[slots.RESPONSE] * curve(s, p)
+    elif p[slots.SHAPE] == OF_VELOCITY:
+        result += p[slots.RESPONSE] * curve(v, p)
+    elif p[slots.SHAPE] == OF_ANGLE:
+        result += p[slots.RESPONSE] * curve(angle, p)
+    elif p[slots.SHAPE] == OF_ROLL:
+        result += p[slots.RESPONSE] * curve(rolled(s, p), p)
+    if len(p) > slots.SLOTS:
+        result += p[slots.RESPONSE] * laws(s, v, angle, p)
+    reading = int(p[slots.READING])
     if reading == _NONE:
         return result
     if reading == _PRINTED:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION]) * v
+        return result - p[slots.FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[slots.TRANSITION]) * v
     if reading == _DISSIPATIVE:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * abs(np.tanh(v / p[TRANSITION])) * v
+        return result - p[slots.FRICTION_GAIN] * np.cos(angle) * abs(np.tanh(v / p[slots.TRANSITION])) * v
     if reading == _COULOMB:
-        return result - p[FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[TRANSITION])
-    return result - p[FRICTION_GAIN] * v  # viscous
+        return result - p[slots.FRICTION_GAIN] * np.cos(angle) * np.tanh(v / p[slots.TRANSITION])
+    return result - p[slots.FRICTION_GAIN] * v  # viscous
 
 
 @njit(cache=True)
@@ -129,20 +92,20 @@ def curve(at: float, p: FloatArray) -> float:
 
     A curve over the rolled angle is periodic.
     """
-    count = int(p[SHAPE_COUNT])
-    place = (at - p[SHAPE_LOW]) / p[SHAPE_STEP]
-    if p[SHAPE] == OF_ROLL or p[SHAPE] == DRY_OF_ROLL:
+    count = int(p[slots.SHAPE_COUNT])
+    place = (at - p[slots.SHAPE_LOW]) / p[slots.SHAPE_STEP]
+    if p[slots.SHAPE] == OF_ROLL or p[slots.SHAPE] == DRY_OF_ROLL:
         node = int(np.floor(place))
         t = place - node
-        before, here = p[SHAPE_NODES + (node - 1) % count], p[SHAPE_NODES + node % count]
-        there, after = p[SHAPE_NODES + (node + 1) % count], p[SHAPE_NODES + (node + 2) % count]
+        before, here = p[slots.SHAPE_NODES + (node - 1) % count], p[slots.SHAPE_NODES + node % count]
+        there, after = p[slots.SHAPE_NODES + (node + 1) % count], p[slots.SHAPE_NODES + (node + 2) % count]
     else:
         place = min(max(place, 0.0), count - 1.0)
         node = min(int(place), count - 2)
         t = place - node
-        here, there = p[SHAPE_NODES + node], p[SHAPE_NODES + node + 1]
-        before = p[SHAPE_NODES + node - 1] if node > 0 else 2.0 * here - there
-        after = p[SHAPE_NODES + node + 2] if node < count - 2 else 2.0 * there - here
+        here, there = p[slots.SHAPE_NODES + node], p[slots.SHAPE_NODES + node + 1]
+        before = p[slots.SHAPE_NODES + node - 1] if node > 0 else 2.0 * here - there
+        after = p[slots.SHAPE_NODES + node + 2] if node < count - 2 else 2.0 * there - here
     low, high, rise = 0.5 * (there - before), 0.5 * (after - here), there - here
     return here + t * (low + t * (3.0 * rise - 2.0 * low - high + t * (low + high - 2.0 * rise)))
 
@@ -156,14 +119,14 @@ def curve_at(where: FloatArray, p: FloatArray) -> FloatArray:
 @njit(cache=True)
 def rolled(s: float, p: FloatArray) -> float:
     """The angle by which the ball has rolled, counted from a mark on it [rad]."""
-    return (s - p[ORIGIN]) * p[ROLL] + p[PHASE]
+    return (s - p[slots.ORIGIN]) * p[slots.ROLL] + p[slots.PHASE]
 
 
 @njit(cache=True)
 def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
     """Sum of the force laws in the blocks behind the slots, F/m [m/s²]."""
     total = 0.0
-    for law in range(SLOTS, len(p), LAW_SLOTS):
+    for law in range(slots.SLOTS, len(p), slots.LAW_SLOTS):
         depends = p[law]
         if depends == OF_POSITION:
             total += hermite(s, law, p)
@@ -172,17 +135,17 @@ def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
         elif depends == OF_ANGLE:
             total += hermite(angle, law, p)
         else:
-            total += hermite(((s - p[ORIGIN]) * p[ROLL]) % (2.0 * np.pi), law, p)
+            total += hermite(((s - p[slots.ORIGIN]) * p[slots.ROLL]) % (2.0 * np.pi), law, p)
     return total
 
 
 @njit(cache=True)
 def hermite(at: float, law: int, p: FloatArray) -> float:
     """The force law in block `law`: a cubic Hermite spline, slopes by differences of fourth order, constant beyond."""
-    place = min(max((at - p[law + 1]) / p[law + 2], 0.0), LAW_NODES - 1.0)
-    node = min(int(place), LAW_NODES - 2)
+    place = min(max((at - p[law + 1]) / p[law + 2], 0.0), slots.LAW_NODES - 1.0)
+    node = min(int(place), slots.LAW_NODES - 2)
     t = place - node
-    n = law + 3 + LAW_MARGIN + node
+    n = law + 3 + slots.LAW_MARGIN + node
     low = (8.0 * (p[n + 1] - p[n - 1]) - p[n + 2] + p[n - 2]) / 12.0
     high = (8.0 * (p[n + 2] - p[n]) - p[n + 3] + p[n - 1]) / 12.0
     rise = p[n + 1] - p[n]
@@ -192,7 +155,7 @@ def hermite(at: float, law: int, p: FloatArray) -> float:
 @njit(cache=True)
 def normal_force(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
     """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² [m/s²], never negative."""
-    normal = p[WEIGHT] * np.cos(angle) - 2.0 * v * rate - s * angular - p[HEIGHT] * rate * rate
+    normal = p[slots.WEIGHT] * np.cos(angle) - 2.0 * v * rate - s * angular - p[slots.HEIGHT] * rate * rate
     return max(normal, 0.0)
 
 
@@ -202,12 +165,12 @@ def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, ang
 
     c falls from its static to its kinetic value after Stribeck.
     """
-    coefficient = p[DRY_PLUS] if towards > 0.0 else p[DRY_MINUS]
-    if p[SHAPE] == DRY_OF_POSITION:
+    coefficient = p[slots.DRY_PLUS] if towards > 0.0 else p[slots.DRY_MINUS]
+    if p[slots.SHAPE] == DRY_OF_POSITION:
         coefficient += curve(s, p)
-    elif p[SHAPE] == DRY_OF_ROLL:
+    elif p[slots.SHAPE] == DRY_OF_ROLL:
         coefficient += curve(rolled(s, p), p)
-    if p[DRY_STATIC] != 0.0:
-        ratio = v / p[STRIBECK_VELOCITY]
-        coefficient += p[DRY_STATIC] * np.exp(-ratio * ratio)
-    return p[RESPONSE] * max(coefficient, 0.0) * normal_force(s, v, angle, rate, angular, p)
+    if p[slots.DRY_STATIC] != 0.0:
+        ratio = v / p[slots.STRIBECK_VELOCITY]
+        coefficient += p[slots.DRY_STATIC] * np.exp(-ratio * ratio)
+    return p[slots.RESPONSE] * max(coefficient, 0.0) * normal_force(s, v, angle, rate, angular, p)

@@ -10,19 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from analytic import slots
 from analytic.compiled import njit
 from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, acceleration, dry_limit, normal_force
-from analytic.models import (
-    DAHL,
-    DAHL_STIFFNESS,
-    DRY_MINUS,
-    DRY_PLUS,
-    DRY_STATIC,
-    RESPONSE,
-    SHAPE,
-    TRACTION,
-    TURN,
-)
 from analytic.motion import FloatArray
 
 
@@ -57,8 +47,8 @@ def advance(
     a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
     """
     middle, end = row + 1, row + 2
-    if p[DAHL] != 0.0:
-        w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[DAHL_STIFFNESS])
+    if p[slots.DAHL] != 0.0:
+        w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[slots.DAHL_STIFFNESS])
     k1 = acceleration(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
     v2 = v + 0.5 * h * k1
     k2 = acceleration(s + 0.5 * h * v, v2, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
@@ -68,16 +58,25 @@ def advance(
     k4 = acceleration(s + h * v3, v4, beam[end, 0], beam[end, 1], beam[end, 2], p)
     s_end = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
     v_end = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-    if p[DAHL] != 0.0:
+    if p[slots.DAHL] != 0.0:
         s_end, v_end = s_end + 0.5 * h * h * w, v_end + h * w
         w = dahl(
-            w, v_end, 0.5 * h, dahl_limit(s_end, v_end, beam[end, 0], beam[end, 1], beam[end, 2], p), p[DAHL_STIFFNESS]
+            w,
+            v_end,
+            0.5 * h,
+            dahl_limit(s_end, v_end, beam[end, 0], beam[end, 1], beam[end, 2], p),
+            p[slots.DAHL_STIFFNESS],
         )
-    dry = p[DRY_PLUS] != 0.0 or p[DRY_MINUS] != 0.0 or p[DRY_STATIC] != 0.0 or p[SHAPE] >= DRY_OF_POSITION
-    if not dry and p[TRACTION] == 0.0:
+    dry = (
+        p[slots.DRY_PLUS] != 0.0
+        or p[slots.DRY_MINUS] != 0.0
+        or p[slots.DRY_STATIC] != 0.0
+        or p[slots.SHAPE] >= DRY_OF_POSITION
+    )
+    if not dry and p[slots.TRACTION] == 0.0:
         return s_end, v_end, w
     smooth = _Step(s, v, h, s_end, v_end)
-    if p[TRACTION] != 0.0:
+    if p[slots.TRACTION] != 0.0:
         return _slip(smooth, w, beam, middle, p, dry)
     s_end, v_end = _resist(smooth, beam, middle, p)
     return s_end, v_end, w
@@ -92,7 +91,7 @@ def _resist(smooth: _Step, beam: FloatArray, row: int, p: FloatArray) -> tuple[f
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
         limit = _limit(s, v, sign, beam, row, p)
-        if p[DRY_STATIC] != 0.0:  # it depends on the velocity: take that of mid-step
+        if p[slots.DRY_STATIC] != 0.0:  # it depends on the velocity: take that of mid-step
             limit = _limit(s, v + 0.5 * h * (drive - sign * limit), sign, beam, row, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
@@ -114,8 +113,8 @@ def _limit(s: float, v: float, towards: float, beam: FloatArray, row: int, p: Fl
     """Largest deceleration that dry friction can hold up against motion `towards` + or − [m/s²]."""
     angle, rate, angular = beam[row, 0], beam[row, 1], beam[row, 2]
     limit = dry_limit(s, v, towards, angle, rate, angular, p)
-    if p[SHAPE] == DRY_OF_TIME:
-        limit = max(limit + p[RESPONSE] * beam[row, 3] * normal_force(s, v, angle, rate, angular, p), 0.0)
+    if p[slots.SHAPE] == DRY_OF_TIME:
+        limit = max(limit + p[slots.RESPONSE] * beam[row, 3] * normal_force(s, v, angle, rate, angular, p), 0.0)
     return limit
 
 
@@ -129,15 +128,15 @@ def _slip(smooth: _Step, w: float, beam: FloatArray, row: int, p: FloatArray, dr
         s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) ± c N/(m ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
     """
     s, v, h, s_end, v_end = smooth
-    iota = 1.0 / p[RESPONSE] - 1.0
-    turn = p[TURN] * beam[row, 2]
+    iota = 1.0 / p[slots.RESPONSE] - 1.0
+    turn = p[slots.TURN] * beam[row, 2]
     free = (1.0 + iota) * (v_end - v) / h + iota * turn
-    grip = p[TRACTION] * normal_force(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
+    grip = p[slots.TRACTION] * normal_force(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
     resisted = 0.0
     if dry:
         s_end, v_end = _resist(smooth, beam, row, p)
         sense = 1.0 if v > w else -1.0
-        resisted = sense * _limit(s, v, sense, beam, row, p) / (p[RESPONSE] * iota) if v != w else 0.0
+        resisted = sense * _limit(s, v, sense, beam, row, p) / (p[slots.RESPONSE] * iota) if v != w else 0.0
     if w == 0.0 and abs((v_end - v) / h - free) <= grip:
         return s_end, v_end, 0.0
     needed = -(free + turn + resisted + w / h) / (1.0 + 1.0 / iota)
@@ -152,7 +151,7 @@ def _slip(smooth: _Step, w: float, beam: FloatArray, row: int, p: FloatArray, dr
 @njit(cache=True)
 def dahl_limit(s: float, v: float, angle: float, rate: float, angular: float, p: FloatArray) -> float:
     """k c N/m [m/s²], the limit of a Dahl friction."""
-    return p[RESPONSE] * p[DAHL] * normal_force(s, v, angle, rate, angular, p)
+    return p[slots.RESPONSE] * p[slots.DAHL] * normal_force(s, v, angle, rate, angular, p)
 
 
 @njit(cache=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,13 +18,13 @@ def versions() -> dict[str, str]:
     return {**{name: version(name) for name in _NUMERICAL}, "code": code_digest()}
 
 
-def code_digest(root: Path = ROOT) -> str:
-    """Twelve hexadecimal digits of a SHA-256 over every module of the product.
+def code_digest(root: Path = ROOT, packages: Iterable[str] = PACKAGES) -> str:
+    """Twelve hexadecimal digits of a SHA-256 over every module of these packages, by default of the product.
 
     It changes with the code, and not with comments, docstrings or layout.
     """
     total = hashlib.sha256()
-    for package in PACKAGES:
+    for package in packages:
         for path in sorted((root / package).rglob("*.py")):
             total.update(f"{path.relative_to(root).as_posix()}\n{_code(path)}\n".encode())
     return total.hexdigest()[:12]

@@ -239,12 +239,7 @@ def _fittings(channel: Channel) -> list[str]:
     ends = (0, -length, 0, 0, length, 0)
     axle = _tag("geom", {"name": "axle", "type": "cylinder", "size": AXLE_RADIUS, "fromto": ends, "material": "axle"})
     middle = (channel.centre, 0.0, floor - channel.floor_thickness / 2)
-    return [
-        _box("floor", (channel.length / 2, outer, channel.floor_thickness / 2), middle),
-        *stops,
-        *brackets,
-        axle,
-    ]
+    return [_box("floor", (channel.length / 2, outer, channel.floor_thickness / 2), middle), *stops, *brackets, axle]
 
 
 def _ball(rig: Rig, channel: Channel, driven: bool) -> str:

@@ -1,4 +1,4 @@
-"""A new effect is one `Effect`: search, engines, report, virtual rig and blind trials take it as all others."""
+"""A new effect is one `Effect`: search, engines, report and virtual rig take it as all others."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.effects import Effect, Force, Parameter, Relations, TrialSize, acting, joined, parameters_with
+from analytic.effects import Effect, Force, Parameter, Relations, acting, joined, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
+from benchmarks.calibration.rows import Outcome
+from benchmarks.calibration.run import diagnosed
+from benchmarks.calibration.sizes import SCALES, Scale
+from benchmarks.calibration.trials import plan
 from harness.api.assemble import diagnosis_record
-from harness.benchmark.rows import Outcome
-from harness.benchmark.run import diagnosed
-from harness.benchmark.trials import plan
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.simulator import Experiment, Plant, simulate, write_case
@@ -37,7 +38,6 @@ HOSE = Effect(
     force=Force("angle", lambda angle, force: force * np.sin(FREQUENCY * angle)),
     phrase="a hose that pulls with {force}",
     relations=Relations(nested_in=(("angle", False),)),
-    trial=TrialSize({"force": 0.008}, signed=True),
 )
 VALUES = {"force": 0.008}
 
@@ -94,8 +94,9 @@ def test_a_law_that_cannot_be_compiled_is_refused() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("plant", ["virtual_rig", "mujoco"])
-def test_blind_trials_find_it(plant: str) -> None:
-    """Plan trials of it, hide it on the virtual rig and in an engine's scene, and name it with its size."""
+def test_blind_trials_find_it(plant: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Given its size, plan trials of it, hide it on the virtual rig and in an engine's scene, and name it."""
+    monkeypatch.setitem(SCALES, HOSE.name, Scale(middle={"force": 0.008}, signed=True))
     every = plan(["confusion"], seeds=4, only=[HOSE.name])
     assert {one.size for one in every} == {"small", "middle", "large"}
     row = diagnosed(next(one for one in every if one.size == "middle" and one.plant == plant), "test")
@@ -108,7 +109,7 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     """Find it, put it into both engines, which then predict better, and say it in its own words."""
     write_case(tmp_path / "case", Experiment(hidden={HOSE.name: VALUES}, duration=8.0, seed=1, predict=0))
     case = load_case(tmp_path / "case")
-    found = diagnose(problem_of(case)[0])
+    found = diagnose(problem_of(case))
     (effect,) = found.effects
     force = effect.parameters["force"]
     assert (effect.name, force.unit) == (HOSE.name, "N")

@@ -12,7 +12,7 @@ from analytic.effects.catalogue import (
     transmission_with,
 )
 from analytic.effects.drive import ANGLE_GAIN, LINKAGE_BACKLASH
-from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission, TrialSize
+from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission
 from analytic.effects.force import EffectError, Force
 from analytic.effects.parameter import Parameter
 from analytic.effects.resistance import (
@@ -57,7 +57,6 @@ __all__ = [
     "Relations",
     "SensorLaw",
     "Transmission",
-    "TrialSize",
     "acting",
     "joined",
     "motion_with",

@@ -2,39 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from analytic.effects.effect import Effect, EngineEntry, Relations, TrialSize
+from analytic import slots
+from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.force import Values
 from analytic.effects.parameter import Parameter
-from analytic.models import ECCENTRIC, IMBALANCE, RESPONSE, TRACTION
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
 
-def _imbalance(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[IMBALANCE] = p[RESPONSE] * rig.gravity * values["offset"] / rig.rolling_radius
-
-
-def _radius(rig: Rig, values: Values) -> Rig:
-    return rig.with_(rolling_radius=values["radius"])
-
-
-def _slip(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[TRACTION] = values["friction_coefficient"] * rig.radius / rig.rolling_radius
-
-
-def _slippery_mujoco(values: Values) -> dict[str, Any]:
-    return {"friction": values["friction_coefficient"], "slip_limit": 10.0, "friction_relaxation": 0.01}
-
-
-def _slippery_pybullet(values: Values) -> dict[str, Any]:
-    return {"lateral_friction_ball": values["friction_coefficient"], "lateral_friction_rail": 1.0, "slip_limit": 10.0}
-
-
 def _pivot(p: FloatArray, rig: Rig, values: Values) -> None:
     r = rig.rolling_radius
-    p[ECCENTRIC] = p[RESPONSE] * (values["eccentricity"] + r + rig.inertia / (rig.mass * r))
+    p[slots.ECCENTRIC] = p[slots.RESPONSE] * (values["eccentricity"] + r + rig.inertia / (rig.mass * r))
 
 
 BALL_IMBALANCE = Effect(
@@ -43,11 +21,10 @@ BALL_IMBALANCE = Effect(
     # an offset to the other side is a φ₀ half a turn away
     (Parameter("offset", "m", 0.0, 0.01, 5e-5, starts=(2e-5,), strength=True, shown=("µm", 1e6)),),
     "statics of a ball whose centre of mass lies e off its centre",
-    write=_imbalance,
+    write=adding(lambda k, rig, v: {slots.IMBALANCE: k * rig.gravity * v["offset"] / rig.rolling_radius}),
     turning=True,
     phrase="a ball out of balance by {offset}",
     relations=Relations(once=True, nested_in=(("roll_angle", False),)),
-    trial=TrialSize({"offset": 5e-5}),
 )
 ROLLING_RADIUS = Effect(
     "rolling_radius",
@@ -66,10 +43,9 @@ ROLLING_RADIUS = Effect(
         ),
     ),
     "the paper, eq. 14",
-    alter=_radius,
+    alter=lambda rig, values: rig.with_(rolling_radius=values["radius"]),
     phrase="a rolling radius of {radius} instead of {declared}",
     relations=Relations(once=True, hidden_by=("ratio",)),
-    trial=TrialSize({"radius": 0.0105}),  # smaller only: see the bounds
 )
 CONTACT_SLIP = Effect(
     "contact_slip",
@@ -77,17 +53,25 @@ CONTACT_SLIP = Effect(
     # no value does nothing on every rig: where the ball grips depends on how the beam moves
     (Parameter("friction_coefficient", "1", 0.0, 2.0, 0.03, starts=(0.004, 0.008, 0.015, 0.03)),),
     "Coulomb, 1785; two contacts that lean carry N R/r together",
-    write=_slip,
+    write=adding(lambda k, rig, v: {slots.TRACTION: v["friction_coefficient"] * rig.radius / rig.rolling_radius}),
     phrase="a slip of the ball at a friction coefficient of {friction_coefficient}",
     relations=Relations(once=True),
     engine=EngineEntry(
         "the engine's own friction coefficient",
         # with limits that let the ball slide (see `harness run --help`)
-        {"mujoco": _slippery_mujoco, "pybullet": _slippery_pybullet},
+        {
+            "mujoco": lambda v: {
+                "friction": v["friction_coefficient"],
+                "friction_relaxation": 0.01,
+                "slip_limit": 10.0,
+            },
+            "pybullet": lambda v: {
+                "lateral_friction_ball": v["friction_coefficient"],
+                "lateral_friction_rail": 1.0,
+                "slip_limit": 10.0,
+            },
+        },
     ),
-    # In the moves of the trials the ball keeps its grip from about μ = 0.019 on. An engine's ball cannot be made to
-    # slide by a force along the beam.
-    trial=TrialSize({"friction_coefficient": 0.012}, neutral=0.019, engines=False),
 )
 ECCENTRIC_PIVOT = Effect(
     "eccentric_pivot",
@@ -101,7 +85,6 @@ ECCENTRIC_PIVOT = Effect(
     write=_pivot,
     phrase="a pivot eccentricity of {eccentricity}",
     relations=Relations(once=True, in_baseline=lambda model: model.eccentric),
-    trial=TrialSize({"eccentricity": Rig().eccentricity}),
 )
 
 BALL = (BALL_IMBALANCE, ROLLING_RADIUS, CONTACT_SLIP, ECCENTRIC_PIVOT)

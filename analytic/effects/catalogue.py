@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
+from analytic import slots
 from analytic.effects.ball import BALL
 from analytic.effects.drive import DRIVE, transmitted
 from analytic.effects.effect import Acting, Effect, Transmission
 from analytic.effects.force import EffectError
+from analytic.effects.parameter import Limits, Parameter
 from analytic.effects.resistance import RESISTANCES
 from analytic.effects.sensor import SENSOR
 from analytic.effects.sensor_law import SensorLaw
 from analytic.effects.track import TRACK
-from analytic.models import PHASE, Model, coefficients
+from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
 from analytic.naming import did_you_mean
 from analytic.rig import Rig
@@ -60,26 +61,7 @@ def acting(name: str, values: Mapping[str, float]) -> Acting:
     return Acting(effect, dict(values))
 
 
-class Bounded(Protocol):
-    """Something with a unit and bounds, both included."""
-
-    @property
-    def unit(self) -> str:
-        """In SI, "1" for a number."""
-        ...
-
-    @property
-    def low(self) -> float:
-        """Least value."""
-        ...
-
-    @property
-    def high(self) -> float:
-        """Greatest value."""
-        ...
-
-
-def check_values(name: str, needed: Mapping[str, Bounded], values: Mapping[str, float]) -> None:
+def check_values(name: str, needed: Mapping[str, Parameter | Limits], values: Mapping[str, float]) -> None:
     """Refuse `values` of `name` that are not those needed, or that lie out of their bounds.
 
     Raises:
@@ -115,7 +97,7 @@ def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting], *, phase:
         if one.effect.write is not None:
             one.effect.write(vector, rig, one.values)
     if any(one.effect.turning for one in effects):
-        vector[PHASE] = phase
+        vector[slots.PHASE] = phase
     laws = [one.effect.force.sampled(rig, one.values) for one in effects if one.effect.force is not None]
     return np.concatenate((vector, *laws)) if laws else vector
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.effects.effect import Effect, Relations, Transmission, TrialSize
+from analytic.effects.effect import Effect, Relations, Transmission
 from analytic.effects.parameter import Parameter
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
@@ -79,7 +79,6 @@ ANGLE_GAIN = Effect(
     transmission=lambda values: Transmission(gain=values["gain"]),
     phrase="a gain of {gain} between measured and real beam angle",
     relations=Relations(stands_for="ratio"),
-    trial=TrialSize({"gain": 1.05}, signed=True),
 )
 LINKAGE_BACKLASH = Effect(
     "linkage_backlash",
@@ -87,21 +86,12 @@ LINKAGE_BACKLASH = Effect(
     # a play as wide as the paper's beam turns, ±0.25 rad, leaves it where it is
     (
         Parameter(
-            "width",
-            "rad",
-            0.0,
-            0.5,
-            0.005,
-            starts=(0.002, 0.008),
-            strength=True,
-            shown=("°", float(np.degrees(1.0))),
+            "width", "rad", 0.0, 0.5, 0.005, starts=(0.002, 0.008), strength=True, shown=("°", float(np.degrees(1.0)))
         ),
     ),
     "Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989",
     transmission=lambda values: Transmission(play=values["width"]),
     phrase="a linkage backlash of {width}",
-    # the jolt of a gap that closes throws the ball off an engine's edges
-    trial=TrialSize({"width": 0.0087}, engines=False),
 )
 
 DRIVE = (ANGLE_GAIN, LINKAGE_BACKLASH)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from analytic import slots
 from analytic.effects.force import EffectError, Force, Values
 from analytic.effects.parameter import Parameter
 from analytic.effects.sensor_law import SensorLaw
@@ -18,6 +19,8 @@ from analytic.rig import Rig
 
 Write = Callable[[FloatArray, Rig, Values], None]
 """Adds an effect to a kernel vector, shape (SLOTS,), in place; effects of one kind add up."""
+Terms = Callable[[float, Rig, Values], Mapping[int, float]]
+"""What an effect adds to slots of the kernel vector, given k = 1/(1 + J/(m r²)) [1]."""
 Alter = Callable[[Rig, Values], Rig]
 """The rig as it is instead of as it is declared."""
 Turn = Callable[[BeamMotion, FloatArray, Values], BeamMotion]
@@ -27,6 +30,16 @@ UnknownQuantity = Literal["ratio", "level"]
 """What a rig file may leave open: K = 1/(1 + J/(m r²)), and the level angle α₀."""
 SplineKind = tuple[str, bool]
 """A kind of spline term: the quantity it depends on, as in diagnosis.json, and whether it is a dry friction."""
+
+
+def adding(terms: Terms) -> Write:
+    """The `write` of an effect that adds `terms` to the vector."""
+
+    def write(p: FloatArray, rig: Rig, values: Values) -> None:
+        for slot, amount in terms(float(p[slots.RESPONSE]), rig, values).items():
+            p[slot] += amount
+
+    return write
 
 
 @dataclass(frozen=True)
@@ -72,25 +85,6 @@ class EngineEntry:
     settings: Mapping[str, Callable[[Values], dict[str, Any]]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class TrialSize:
-    """How large an effect is in blind trials on the paper's rig.
-
-    Attributes:
-        middle: value at the middle size of every parameter that grows with it (SI).
-        fixed: between which values the other parameters are drawn, whatever the size (SI).
-        neutral: where the growing parameters do nothing in a trial (SI); as the first one says if it is not given.
-        signed: whether either sign can be.
-        engines: whether the engines' scenes can show it; the virtual rig can show all.
-    """
-
-    middle: Mapping[str, float]
-    fixed: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    neutral: float | None = None
-    signed: bool = False
-    engines: bool = True
-
-
 @dataclass(frozen=True, eq=False)
 class Effect:
     """One entry of the catalogue. It acts in one place: on the ball, on the rig's quantities, on the angle, or on the
@@ -112,7 +106,6 @@ class Effect:
         phrase: what it is called with its values in it, by parameter; {declared} is where its first one does nothing.
         relations: to other effects, the rig and the baseline.
         engine: how it enters the engines' scenes.
-        trial: its size in blind trials; without one there are none.
 
     Raises:
         EffectError: a name that is none, no parameter or one twice, no law, or an effect that does nothing.
@@ -133,7 +126,6 @@ class Effect:
     phrase: str = ""
     relations: Relations = Relations()
     engine: EngineEntry = EngineEntry()
-    trial: TrialSize | None = None
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():

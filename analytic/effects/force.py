@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from analytic import slots
 from analytic.law import OF_ANGLE, OF_POSITION, OF_ROLL, OF_VELOCITY
-from analytic.models import LAW_MARGIN, LAW_NODES
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
@@ -71,8 +71,8 @@ class Force:
         """
         kind, usual = QUANTITIES[self.by]
         low, high = self.over or usual
-        step = (high - low) / (LAW_NODES - 1)
-        at = low + step * np.arange(-LAW_MARGIN, LAW_NODES + LAW_MARGIN)
+        step = (high - low) / (slots.LAW_NODES - 1)
+        at = low + step * np.arange(-slots.LAW_MARGIN, slots.LAW_NODES + slots.LAW_MARGIN)
         with np.errstate(all="ignore"):  # what is not finite is refused below
             force = np.asarray(self.law(at, **values))
         if force.dtype.kind not in "fiu":
@@ -84,7 +84,7 @@ class Force:
         if wrong.any():
             given = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             raise EffectError(f"the law gives {force[wrong][0]} N at {self.by} {at[wrong][0]:.4g} with {given}")
-        first, last = force[LAW_MARGIN], force[-1 - LAW_MARGIN]
+        first, last = force[slots.LAW_MARGIN], force[-1 - slots.LAW_MARGIN]
         if self.by == "roll_angle" and abs(last - first) > _PERIODIC * np.abs(force).max():
             raise EffectError(
                 f"the law gives {first:g} N at 0 and {last:g} N after a turn of the ball; make it periodic"

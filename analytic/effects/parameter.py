@@ -20,6 +20,15 @@ _FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to
 
 
 @dataclass(frozen=True)
+class Limits:
+    """Unit (SI, "1" for a number) of a value and its bounds, both included."""
+
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One parameter of an effect.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analytic.effects.effect import Effect, EngineEntry, Relations, TrialSize
+from analytic.effects.effect import Effect, EngineEntry, Relations
 from analytic.effects.parameter import Parameter
 from analytic.effects.sensor_law import SensorLaw
 
@@ -14,7 +14,6 @@ CHANNEL_DELAY = Effect(
     sensor=lambda values: SensorLaw(delay=values["delay"]),
     phrase="a delay of {delay} of the position against the angle",
     engine=EngineEntry("sensor side: the stamps at which the ball is read"),
-    trial=TrialSize({"delay": 0.05}, signed=True),
 )
 POSITION_GAIN = Effect(
     "position_gain",
@@ -24,7 +23,6 @@ POSITION_GAIN = Effect(
     sensor=lambda values: SensorLaw(gain=values["gain"]),
     phrase="a gain of {gain} between real and recorded position",
     relations=Relations(once=True, hidden_by=("ratio",)),
-    trial=TrialSize({"gain": 1.04}, signed=True),
 )
 POSITION_LAG = Effect(
     "position_lag",
@@ -35,7 +33,6 @@ POSITION_LAG = Effect(
     sensor=lambda values: SensorLaw(lag=values["time_constant"]),
     phrase="a lag of {time_constant} of the position sensor",
     relations=Relations(once=True),
-    trial=TrialSize({"time_constant": 0.04}),
 )
 
 SENSOR = (CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG)

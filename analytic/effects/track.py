@@ -4,40 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.effects.effect import Effect, EngineEntry, Relations, TrialSize
-from analytic.effects.force import Values
+from analytic import slots
+from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.parameter import Parameter
-from analytic.models import (
-    BUMP_CENTRE,
-    BUMP_HEIGHT,
-    BUMP_WIDTH,
-    COMPLIANCE,
-    CURVATURE,
-    CURVATURE_CENTRE,
-    LEVEL,
-)
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
-
-def _level(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[LEVEL] += values["angle"]
-
-
-def _curvature(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[CURVATURE], p[CURVATURE_CENTRE] = values["curvature"], values["centre"]
-
-
-def _bump(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[BUMP_HEIGHT], p[BUMP_CENTRE], p[BUMP_WIDTH] = values["height"], values["centre"], values["width"]
-
-
-def _compliance(p: FloatArray, rig: Rig, values: Values) -> None:
-    p[COMPLIANCE] += values["compliance"] * rig.mass * rig.gravity
-
-
 _WIDEST = 0.1  # bump [m]
-_AMID = (0.28, 0.38)  # where the ball passes most often in blind trials [m]
 _OF_POSITION = (("position", False),)
 
 
@@ -61,21 +34,19 @@ LEVEL_ERROR = Effect(
     "gravity sees α + angle",
     (Parameter("angle", "rad", -0.2, 0.2, 0.003, starts=(0.0,), strength=True, shown=("°", float(np.degrees(1.0)))),),
     "the paper, eq. 18, 19",
-    write=_level,
+    write=adding(lambda k, rig, v: {slots.LEVEL: v["angle"]}),
     phrase="a level error of {angle}",
     relations=Relations(stands_for="level", nested_in=_OF_POSITION),
     engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
-    trial=TrialSize({"angle": 0.005}, signed=True),
 )
 BEAM_COMPLIANCE = Effect(
     "beam_compliance",
     "tilt grows by compliance · m g s",
     (Parameter("compliance", "rad/(N m)", -1.0, 1.0, 0.02, starts=(0.0,), strength=True),),
     "Timoshenko, Strength of Materials, 1930: end rotation under a moment",
-    write=_compliance,
+    write=adding(lambda k, rig, v: {slots.COMPLIANCE: v["compliance"] * rig.mass * rig.gravity}),
     phrase="a beam compliance of {compliance}",
     relations=Relations(nested_in=_OF_POSITION),
-    trial=TrialSize({"compliance": 0.02}),
 )
 TRACK_CURVATURE = Effect(
     "track_curvature",
@@ -85,11 +56,10 @@ TRACK_CURVATURE = Effect(
         Parameter("centre", "m", -10.0, 10.0, 0.3, starts=_middle, place=True),
     ),
     "geometry of a circular track, small angles",
-    write=_curvature,
+    write=adding(lambda k, rig, v: {slots.CURVATURE: v["curvature"], slots.CURVATURE_CENTRE: v["centre"]}),
     phrase="a track curvature of {curvature} about s = {centre}",
     # a beam that bends is a bowl with its centre elsewhere
     relations=Relations(once=True, nested_in=_OF_POSITION, splits_into=(LEVEL_ERROR, BEAM_COMPLIANCE)),
-    trial=TrialSize({"curvature": 0.06}, fixed={"centre": _AMID}, signed=True),
 )
 TRACK_BUMP = Effect(
     "track_bump",
@@ -110,10 +80,11 @@ TRACK_BUMP = Effect(
         ),
     ),
     "geometry, small angles",
-    write=_bump,
+    write=adding(
+        lambda k, rig, v: {slots.BUMP_HEIGHT: v["height"], slots.BUMP_CENTRE: v["centre"], slots.BUMP_WIDTH: v["width"]}
+    ),
     phrase="a bump of the track of {height} at s = {centre}, {width} wide,",
     relations=Relations(once=True, nested_in=_OF_POSITION),
-    trial=TrialSize({"height": 2e-4}, fixed={"centre": _AMID, "width": (0.015, 0.025)}, signed=True),
 )
 
 TRACK = (LEVEL_ERROR, TRACK_CURVATURE, TRACK_BUMP, BEAM_COMPLIANCE)

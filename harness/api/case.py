@@ -10,23 +10,8 @@ import numpy as np
 from harness.formatting import number
 from harness.recording import Case as CheckedCase
 from harness.recording import case as cases
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
-
-_UNITS = {
-    "mass": "kg",
-    "inertia": "kg m²",
-    "radius": "m",
-    "rolling_radius": "m",
-    "eccentricity": "m",
-    "gravity": "m/s²",
-    "level_angle": "rad",
-    "length": "m",
-    "angle_resolution": "rad",
-    "angle_noise": "rad",
-    "position_noise": "m",
-    "position_resolution": "m",
-}
+from harness.recording.known_rig import UNITS
+from harness.report.tables import Column, Row, Summarised, Summary, Table
 
 
 class Case(Summarised, CheckedCase):
@@ -68,7 +53,7 @@ class Case(Summarised, CheckedCase):
             for field in fields(part):
                 value = getattr(part, field.name)
                 said = "not known" if value is None else number(value, 4)
-                rows.append(Row((field.name.replace("_", " "), said, _UNITS[field.name])))
+                rows.append(Row((field.name.replace("_", " "), said, UNITS[field.name])))
         return Table("What is known", columns, rows)
 
 

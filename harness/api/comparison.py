@@ -15,8 +15,7 @@ from harness.api.outputs import all_or_nothing, report_folder, to_json
 from harness.api.progress import shown
 from harness.errors import EngineFailure, InputError
 from harness.progress import Progress
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Row, Summarised, Summary, Table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -72,14 +72,14 @@ def replay(
     with beside_catalogue(effects), shown(progress) as tell:
         case = case_of(case)
         tell("drives and rig", share=0.0)
-        from harness.identify.problem.prepare import problem_of
+        from harness.identify.pose import problem_of
         from harness.identify.selection.replay import replay as again
         from harness.provenance import versions
 
         try:
             sources = record.problem.inputs
             _same_inputs(sources.hashes, input_hashes(case, files_of(effects)), case.path, kept.origin)
-            problem, _ = problem_of(case, record.problem.recordings)
+            problem = problem_of(case, record.problem.recordings)
             done = again(record, problem, refit=refit, progress=tell)
         except (LookupError, ValueError) as error:
             raise InputError(f"{kept.origin}: its ledger cannot be read ({error!r}); diagnose anew") from error

@@ -10,8 +10,7 @@ from harness.api.effects import Given, beside_catalogue
 from harness.formatting import number
 from harness.identify.record import FILE, DiagnosisRecord, EffectRecord, RmsRecord, UnlistedRecord, read_record
 from harness.recording import Recording, Sensors, load_recording
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Row, Summarised, Summary, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,9 +105,10 @@ class LoadedDiagnosis(Summarised):
 
             from harness.identify.estimate.forecast import forecast
             from harness.identify.model_file import read_model, rig_of
-            from harness.identify.problem.prepare import record_from
+            from harness.identify.problem.problem import PreparedRecording
+            from harness.preparation.recordings import observe
 
-            record, _ = record_from(read, sensors, rig_of(model))
+            record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
             problem, found = read_model(model, record, str(self.origin))
             return pd.DataFrame(forecast(problem, found, record, record.reading).table())
 

@@ -14,8 +14,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from analytic.kernel import Grid, integrate
-from analytic.models import CUM, FRICTION_GAIN, LEVEL, Model, Reading
+from analytic.models import CUM, Model, Reading
 from analytic.motion import FloatArray
+from analytic.slots import FRICTION_GAIN, LEVEL
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.numerics import rms

@@ -11,8 +11,9 @@ import numpy as np
 
 from analytic.effects import motion_with
 from analytic.kernel import Grid, integrate
-from analytic.models import CAM, CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
+from analytic.models import CAM
 from analytic.motion import BeamMotion, FloatArray
+from analytic.slots import CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
 from harness.comparison.setting import Setting
 from harness.metrics import validation_uncertainty
 from harness.numerics import rms

@@ -5,9 +5,8 @@ A VELOCITY joint follows its command exactly, independent of the load. The valid
 * DART keeps a contact only while the shapes overlap; without overlap the ball loses contact and falls by g dt² in a
   step. The sphere is therefore larger by SINK g dt² and overlaps with its centre at the right height; a downward
   surface velocity balances the error reduction, which removes a hundredth of the overlap per step.
-* The contact uses the tangential velocity of the hinge, but within a step the beam moves along a chord. A sliding joint
-  whose position is held adds the difference: −½ s α̇² dt along the beam, −(α̇ ṡ + ½ (h + r) α̇²) dt across it. See
-  `pybullet.py`.
+* The contact needs the velocity of the chord (`harness.engines.chord`), which a sliding joint adds whose position is
+  held.
 * Deactivation of resting bodies, on by default, is switched off.
 """
 
@@ -22,11 +21,12 @@ import numpy as np
 from pydantic import Field
 
 from analytic.geometry import RAIL_REACH, to_world
-from analytic.motion import BallForce, BeamMotion, FloatArray, State
+from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, spin_angle_of, start_of, track_of
-from harness.engines.protocol import EngineParameters, EngineRun
-from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, judge, limits_of
+from harness.engines.chord import Pose, follow
+from harness.engines.leapfrog import Start, Track, spin_angle_of
+from harness.engines.protocol import Engine, EngineParameters, Task
+from harness.engines.watch import Samples
 from harness.errors import InputError
 from urdf.scene import rail_axis
 
@@ -40,55 +40,26 @@ class DartParameters(EngineParameters):
     friction: float = Field(0.5, ge=0.0, le=10.0, description="friction coefficient of ball and rails [1]")
     restitution: float = Field(0.0, ge=0.0, le=1.0, description="restitution coefficient of ball and rails [1]")
     tube_radius: float = Field(0.001, gt=0.0, le=0.02, description="radius of the capsules along the edges [m]")
-    slip_limit: float = Field(
-        0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
-    )
     health_interval: float = Field(0.01, ge=0.0, le=0.1, description="time between two samples of the contacts [s]")
 
 
-class Dart:
-    """The rig in DART; see `harness.engines.protocol.Engine`."""
+class Dart(Engine[DartParameters]):
+    """The rig in DART."""
 
-    name: str = "dart"
-    parameters: type[EngineParameters] = DartParameters
+    name = "dart"
+    parameters = DartParameters
 
     def version(self) -> str:
-        """Version of the installed package.
-
-        Raises:
-            InputError: dartpy is not installed.
-        """
+        """Version of the installed package."""
         _dartpy()
         return version("dartpy")
 
-    def run(
-        self,
-        rig: Rig,
-        motion: BeamMotion,
-        start: State,
-        time: FloatArray,
-        *,
-        parameters: EngineParameters | None = None,
-        force: BallForce | None = None,
-    ) -> EngineRun:
-        """Simulates the ball on the driven beam; arguments as in `Engine.run`.
-
-        Raises:
-            EngineFailure: the run is invalid.
-            InputError: dartpy is not installed, or stamps, motion, settings or groove are invalid.
-        """
-        settings = parameters if parameters is not None else DartParameters()
-        if not isinstance(settings, DartParameters):
-            raise InputError(f"dart needs DartParameters, not {type(settings).__name__}")
-        scene = _Scene.build(_dartpy(), rig, settings)
-        limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
-        grid = grid_of(motion, time, settings.time_step)
-        first = start_of(rig, motion, grid, start, force)
-        scene.place(first)
-        track, samples = _drive(scene, rig, grid, first, force, limits, settings.health_interval)
-        health = judge(self.name, rig, grid, track, samples, limits)
-        trajectory, rolled = sample(self.name, rig, grid, track, start, time)
-        return EngineRun(trajectory, rolled, health)
+    def drive(self, task: Task[DartParameters]) -> tuple[Track, Samples]:
+        """Steps through the grid; stops early if the run is invalid."""
+        scene = _Scene.build(_dartpy(), task.rig, task.settings)
+        scene.place(task.first)
+        down = ERROR_REDUCTION * _sink(task.rig, task.settings.time_step) / task.settings.time_step
+        return follow(self.name, scene, task, task.settings.health_interval, down)
 
 
 def _dartpy() -> ModuleType:
@@ -115,7 +86,6 @@ class _Scene:
 
     @classmethod
     def build(cls, dart: ModuleType, rig: Rig, settings: DartParameters) -> _Scene:
-        """Builds beam and ball in a new world."""
         world = dart.simulation.World("ball_beam")
         world.setTimeStep(settings.time_step)
         world.setGravity(np.array(to_world(0.0, 0.0, -rig.gravity, -rig.level_angle)))
@@ -158,12 +128,37 @@ class _Scene:
         self.free.setLinearVelocity(np.array(first.velocity))
         self.free.setAngularVelocity(np.array([0.0, first.spin, 0.0]))
 
+    def pose(self) -> Pose:
+        rotation_and_centre = self.free.getPositions().tolist()
+        return (*rotation_and_centre[3:], *rotation_and_centre[:3])
+
+    def spin_angle(self, orientations: FloatArray) -> FloatArray:
+        half = 0.5 * np.linalg.norm(orientations, axis=1)
+        sine = 0.5 * orientations[:, 1] * np.sinc(half / np.pi)  # y part of the quaternion
+        return spin_angle_of(sine, np.cos(half))
+
+    def push(self, pose: Pose, x: float, z: float) -> None:
+        self.ball.addExtForce(np.array([x, 0.0, z]))
+
+    def step(self, angle: float, rate: float, x: float, z: float) -> Pose:
+        self.pivot.setPosition(0, angle)
+        self.pivot.setCommand(0, rate)
+        self.chord.setPositions(np.zeros(3))
+        self.chord.setCommands([x, 0.0, z])
+        self.world.step(True)
+        return self.pose()
+
     def contacts(self, angle: float) -> tuple[int, float]:
-        """Number of contacts that carry a force, and the sum of their forces normal to the edge plane at α [N]."""
         up = np.array(to_world(0.0, 0.0, 1.0, angle))
         found = self.world.getLastCollisionResult().getContacts()
         loads = [(float(contact.force @ contact.normal), abs(float(contact.normal @ up))) for contact in found]
         return sum(load > 0.0 for load, _ in loads), sum(load * lean for load, lean in loads)
+
+    def beam_angle(self) -> float:
+        return float(self.pivot.getPosition(0))
+
+    def ball_speed(self) -> float:
+        return float(np.linalg.norm(self.ball.getLinearVelocity()))
 
 
 def _sink(rig: Rig, time_step: float) -> float:
@@ -179,49 +174,3 @@ def _solid(body: Any, shape: Any, settings: DartParameters) -> Any:
     surface.setFrictionCoeff(settings.friction)
     surface.setRestitutionCoeff(settings.restitution)
     return node
-
-
-def _drive(
-    scene: _Scene, rig: Rig, grid: Grid, first: Start, force: BallForce | None, limits: Limits, health_interval: float
-) -> tuple[Track, Samples]:
-    """Steps through the grid; stops early if the run is invalid."""
-    dt, height = grid.time_step, rig.eccentricity + rig.rolling_radius
-    world, chord, pivot, ball, free = scene.world, scene.chord, scene.pivot, scene.ball, scene.free
-    angles, rates, times = grid.angle.tolist(), grid.rate.tolist(), grid.time.tolist()
-    cosines, sines = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
-    down = ERROR_REDUCTION * _sink(rig, dt) / dt
-    at_rest = np.zeros(3)
-    every = max(1, round(health_interval / dt))
-    state = free.getPositions()  # rotation vector, then position
-    states, samples = [state], Samples()
-    s, speed = state[3] * cosines[0] - state[5] * sines[0], first.velocity_along
-    speed_before = speed - dt * first.acceleration_along
-    for n in range(grid.steps):
-        cos, sin, rate, now = cosines[n], sines[n], rates[n], 1.5 * speed - 0.5 * speed_before  # ṡ extrapolated to t_n
-        along = -0.5 * s * rate * rate * dt
-        normal = -(rate * now + 0.5 * height * rate * rate) * dt - down
-        pivot.setPosition(0, angles[n])
-        pivot.setCommand(0, rate)
-        chord.setPositions(at_rest)
-        chord.setCommands([along * cos + normal * sin, 0.0, normal * cos - along * sin])
-        if force is not None:
-            push = finite_force("dart", force, s, now, angles[n], times[n])
-            ball.addExtForce(np.array([push * cos, 0.0, -push * sin]))
-        world.step(True)
-        before, state = state, free.getPositions()
-        states.append(state)
-        moved = state[3] * cosines[n + 1] - state[5] * sines[n + 1]
-        speed_before, speed, s = speed, (moved - s) / dt, moved
-        if n % every == 0:
-            count, load = scene.contacts(angles[n])
-            samples.add(n, count, load, abs(pivot.getPosition(0) - angles[n + 1]))
-            turned = abs(angles[n + 1] - angles[n])
-            if np.array_equal(state, before) and (turned > STANDSTILL or ball.getLinearVelocity().any()):
-                samples.frozen = n
-            off = state[5] * cosines[n + 1] + state[3] * sines[n + 1] - height
-            if samples.frozen is not None or limits.exceeded(s, state[4], off):
-                break
-    path = np.array(states)
-    half = 0.5 * np.linalg.norm(path[:, :3], axis=1)
-    sine = 0.5 * path[:, 1] * np.sinc(half / np.pi)  # y part of the quaternion
-    return track_of(rig, grid, path[:, 3:], spin_angle_of(sine, np.cos(half))), samples

@@ -17,9 +17,10 @@ from scipy.interpolate import CubicSpline
 from analytic.compiled import njit
 from analytic.effects import Acting, motion_with, parameters_with, transmission_with
 from analytic.law import acceleration, dry_limit
-from analytic.models import CAM, DAHL, DAHL_STIFFNESS, ORIGIN, RESPONSE, coefficients
+from analytic.models import CAM, coefficients
 from analytic.motion import BallForce, BeamMotion, FloatArray, SplineMotion
 from analytic.rig import Rig
+from analytic.slots import DAHL, DAHL_STIFFNESS, ORIGIN, RESPONSE
 from analytic.step import dahl, dahl_limit
 
 _CORNER_STEP, _CORNER_SPAN = 1e-3, 41  # [s], steps

@@ -80,6 +80,7 @@ class Start:
         centre: of the ball at t₀, world frame [m].
         velocity: of the centre at t₀ − dt/2, world frame [m/s].
         spin: φ̇ about +y at t₀ − dt/2 [rad/s].
+        beam_rate: α̇ at t₀ − dt/2 [rad/s].
         velocity_along: ṡ at t₀ − dt/2 [m/s].
         acceleration_along: s̈ at t₀ [m/s²].
     """
@@ -87,6 +88,7 @@ class Start:
     centre: Vector
     velocity: Vector
     spin: float
+    beam_rate: float
     velocity_along: float
     acceleration_along: float
 
@@ -106,6 +108,7 @@ def start_of(rig: Rig, motion: BeamMotion, grid: Grid, start: State, force: Ball
         centre=now,
         velocity=((now[0] - before[0]) / dt, 0.0, (now[2] - before[2]) / dt),
         spin=along / r + rate - 0.5 * dt * turn,
+        beam_rate=rate - 0.5 * dt * turn,
         velocity_along=along,
         acceleration_along=along_beam,
     )

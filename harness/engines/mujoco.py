@@ -13,21 +13,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from scipy.optimize import brentq
 
 from analytic.geometry import RAIL_REACH, channel_of, to_beam
-from analytic.motion import BallForce, BeamMotion, FloatArray, State
+from analytic.motion import BallForce, FloatArray
 from analytic.rig import Rig
 from harness.engines.health import Failure
-from harness.engines.leapfrog import Grid, Start, grid_of, sample, spin_angle_of, start_of, track_of
+from harness.engines.leapfrog import Grid, Start, Track, spin_angle_of, track_of
 from harness.engines.mujoco_parameters import MuJoCoParameters
-from harness.engines.protocol import EngineParameters, EngineRun
-from harness.engines.watch import Limits, Samples, judge, limits_of
-from harness.errors import EngineFailure, InputError
+from harness.engines.protocol import Engine, Task
+from harness.engines.watch import Samples
+from harness.errors import EngineFailure
 from mjcf.scene import make_scene
 
 CHUNK = 500  # steps between two checks for an early stop
@@ -37,54 +37,28 @@ CHUNK = 500  # steps between two checks for an early stop
 FLIGHT = 0.01
 
 
-class MuJoCo:
-    """The rig in MuJoCo; see `harness.engines.protocol.Engine`."""
+class MuJoCo(Engine[MuJoCoParameters]):
+    """The rig in MuJoCo."""
 
-    name: str = "mujoco"
-    parameters: type[EngineParameters] = MuJoCoParameters
+    name = "mujoco"
+    parameters = MuJoCoParameters
 
     def version(self) -> str:
         """Version of the installed package."""
         return str(mujoco.__version__)
 
-    def run(
-        self,
-        rig: Rig,
-        motion: BeamMotion,
-        start: State,
-        time: FloatArray,
-        *,
-        parameters: EngineParameters | None = None,
-        force: BallForce | None = None,
-    ) -> EngineRun:
-        """Simulates the ball on the driven beam; arguments as in `Engine.run`.
-
-        Raises:
-            EngineFailure: the run is invalid.
-            InputError: stamps, motion, settings or groove are invalid.
-        """
-        settings = parameters if parameters is not None else MuJoCoParameters()
-        if not isinstance(settings, MuJoCoParameters):
-            raise InputError(f"mujoco needs MuJoCoParameters, not {type(settings).__name__}")
-        limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
-        grid = grid_of(motion, time, settings.time_step)
-        first = start_of(rig, motion, grid, start, force)
-        begin = grid.time[:1]
-        rate = float((motion.derivative(begin) - 0.5 * grid.time_step * motion.derivative(begin, 2))[0])
+    def drive(self, task: Task[MuJoCoParameters]) -> tuple[Track, Samples]:
+        """Steps through the grid; stops early if the run is invalid."""
+        rig, grid = task.rig, task.grid
         with _quiet():
-            model = _load(rig, settings)
-            lift = _set_margin(self.name, model, rig, settings.margin, grid)
-            data = _place(model, first, float(grid.angle[0]), rate, lift)
-            log = _drive(model, data, rig, grid, first, rate, force, limits)
+            model = _load(rig, task.settings)
+            lift = _set_margin(self.name, model, rig, task.settings.margin, grid)
+            data = _place(model, task.first, float(grid.angle[0]), lift)
+            log = _drive(model, data, task)
         track = track_of(rig, grid, log.pose[:, 1:4], spin_angle_of(log.pose[:, 6], log.pose[:, 4]))
-        samples, contacts_min, normal_force_min = _samples(rig, grid, log)
-        health = judge(self.name, rig, grid, track, samples, limits)
-        if log.stopped is not None:
-            failure, what = log.stopped
-            raise EngineFailure(self.name, failure, float(grid.time[len(log.pose) - 1]), f"{what}; {failure.value}")
-        health = replace(health, contacts_min=contacts_min, normal_force_min=normal_force_min)
-        trajectory, rolled = sample(self.name, rig, grid, track, start, time)
-        return EngineRun(trajectory, rolled, replace(health, warnings=_warnings(data)))
+        samples = _samples(rig, grid, log)
+        samples.extremes["warnings"] = _warnings(data)
+        return track, samples
 
 
 @dataclass(frozen=True)
@@ -150,32 +124,24 @@ def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | No
     return 0.0 if margin is None else (margin - sunk) * rig.radius / rig.rolling_radius
 
 
-def _place(model: mujoco.MjModel, first: Start, angle: float, rate: float, lift: float) -> mujoco.MjData:
+def _place(model: mujoco.MjModel, first: Start, angle: float, lift: float) -> mujoco.MjData:
     """Initial state: positions at t₀, velocities at t₀ − dt/2."""
     data = mujoco.MjData(model)
     up = np.array([np.sin(angle), 0.0, np.cos(angle)])
     data.qpos[0], data.qpos[1:4] = angle, np.array(first.centre) + lift * up
-    data.qvel[0], data.qvel[1:4], data.qvel[5] = rate, first.velocity, first.spin
+    data.qvel[0], data.qvel[1:4], data.qvel[5] = first.beam_rate, first.velocity, first.spin
     return data
 
 
-def _drive(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    rig: Rig,
-    grid: Grid,
-    first: Start,
-    rate: float,
-    force: BallForce | None,
-    limits: Limits,
-) -> _Log:
+def _drive(model: mujoco.MjModel, data: mujoco.MjData, task: Task[MuJoCoParameters]) -> _Log:
     """Steps through the grid; stops early if the run is invalid."""
+    grid, height = task.grid, task.rig.eccentricity + task.rig.rolling_radius
     dt, steps = grid.time_step, grid.steps
-    turns = (np.diff(grid.rate, prepend=rate) / dt).tolist()
+    turns = (np.diff(grid.rate, prepend=task.first.beam_rate) / dt).tolist()
     poses, forces, clock = np.empty((steps + 1, model.nq)), np.empty((steps, model.nsensordata)), np.zeros(steps + 1)
     poses[0] = data.qpos
     pose, control, sensors, step = data.qpos, data.ctrl, data.sensordata, mujoco.mj_step
-    push = None if force is None else _Push(force, grid, first, data)
+    push = None if task.force is None else _Push(task.force, grid, task.first, data)
     for begin in range(0, steps, CHUNK):
         end = min(begin + CHUNK, steps)
         for n in range(begin, end):
@@ -194,7 +160,7 @@ def _drive(
             return _Log(poses[: n + 1], forces[: max(n, 1)], why)
         x, y, z = poses[end, 1:4].tolist()
         along, across, normal = to_beam(x, y, z, float(grid.angle[end]))
-        if limits.exceeded(along, across, normal - rig.eccentricity - rig.rolling_radius):
+        if task.limits.exceeded(along, across, normal - height):
             return _Log(poses[: end + 1], forces[:end], None)
     return _Log(poses, forces, None)
 
@@ -222,19 +188,21 @@ class _Push:
         self._along, self._speed = along, speed
 
 
-def _samples(rig: Rig, grid: Grid, log: _Log) -> tuple[Samples, int, float]:
-    """Samples with the maxima of every interval `FLIGHT`; fewest contacts and smallest load [N] of all steps."""
+def _samples(rig: Rig, grid: Grid, log: _Log) -> Samples:
+    """Samples with the maxima of every interval `FLIGHT`, and fewest contacts and smallest load of all steps."""
     normal = log.force[:, [0, 3]]
     touching = (normal > 0.0).sum(axis=1)
     load = normal.sum(axis=1) * rig.rolling_radius / rig.radius
     error = np.abs(log.pose[:, 0] - grid.angle[: len(log.pose)])
     every = max(1, round(FLIGHT / grid.time_step))
-    samples = Samples()
+    samples = Samples(extremes={"contacts_min": int(touching.min()), "normal_force_min": float(load.min())})
+    if log.stopped is not None:
+        samples.stopped = len(log.pose) - 1, *log.stopped
     whole = max(1, len(touching) // every)  # the last window includes the remainder
     for n, end in zip(range(0, whole * every, every), [*range(every, whole * every, every), None], strict=True):
         window = slice(n, end)
         samples.add(n, int(touching[window].max()), float(load[window].max()), float(error[window].max()))
-    return samples, int(touching.min()), float(load.min())
+    return samples
 
 
 def _warnings(data: mujoco.MjData) -> tuple[str, ...]:

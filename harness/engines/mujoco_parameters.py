@@ -62,10 +62,7 @@ class MuJoCoParameters(EngineParameters):
     )
     solimp_width: float = Field(0.001, gt=0.0, le=0.1, description="depth over which the impedance changes [m]")
     solimp_midpoint: float = Field(
-        0.5,
-        ge=MIN_IMPEDANCE,
-        le=MAX_IMPEDANCE,
-        description="inflection of the impedance curve, share of the width [1]",
+        0.5, ge=MIN_IMPEDANCE, le=MAX_IMPEDANCE, description="inflection of the impedance curve, share of the width [1]"
     )
     solimp_power: float = Field(2.0, ge=1.0, le=10.0, description="exponent of the impedance's curve [1]")
     margin: float | None = Field(
@@ -92,9 +89,6 @@ class MuJoCoParameters(EngineParameters):
         1e-16, ge=0.0, le=1e-14, description="solver tolerance, relative to the pivot's inertia [1]"
     )
     refsafe: bool = Field(True, description="refuse contact time constants below two steps, which may be unstable")
-    slip_limit: float = Field(
-        0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
-    )
 
     @model_validator(mode="after")
     def _refuse_ignored_values(self) -> MuJoCoParameters:

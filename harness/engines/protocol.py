@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from analytic.geometry import RAIL_REACH
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
 from harness.engines.health import Health
+from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, start_of
+from harness.engines.watch import Limits, Samples, judge, limits_of
+from harness.errors import InputError
 
 
 class EngineParameters(BaseModel):
@@ -19,6 +24,9 @@ class EngineParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     time_step: float = Field(1e-3, gt=0.0, le=0.02, description="integration step [s]")
+    slip_limit: float = Field(
+        0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
+    )
 
 
 @dataclass(frozen=True)
@@ -37,15 +45,39 @@ class EngineRun:
     health: Health
 
 
-class Engine(Protocol):
+Parameters = TypeVar("Parameters", bound=EngineParameters)
+
+
+@dataclass(frozen=True)
+class Task(Generic[Parameters]):
+    """What an engine is to simulate: the rig, its settings, the driven beam, the ball's start, an additional force, and
+    the limits beyond which it may stop."""
+
+    rig: Rig
+    settings: Parameters
+    grid: Grid
+    first: Start
+    force: BallForce | None
+    limits: Limits
+
+
+class Engine(ABC, Generic[Parameters]):
     """A physics engine with a prescribed beam motion and a free ball."""
 
     name: str
-    parameters: type[EngineParameters]
+    parameters: type[Parameters]
 
+    @abstractmethod
     def version(self) -> str:
-        """Version of the engine, for the manifest."""
-        ...
+        """Version of the engine's package, for the manifest.
+
+        Raises:
+            InputError: it is not installed.
+        """
+
+    @abstractmethod
+    def drive(self, task: Task[Parameters]) -> tuple[Track, Samples]:
+        """Steps through the grid; stops early if the run is invalid."""
 
     def run(
         self,
@@ -69,5 +101,14 @@ class Engine(Protocol):
 
         Raises:
             EngineFailure: the run is invalid (see `harness.engines.health.Failure`).
+            InputError: the engine's package is missing, or stamps, motion, settings or groove are invalid.
         """
-        ...
+        settings = self.parameters() if parameters is None else parameters
+        if not isinstance(settings, self.parameters):
+            raise InputError(f"{self.name} needs {self.parameters.__name__}, not {type(settings).__name__}")
+        limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
+        grid = grid_of(motion, time, settings.time_step)
+        task = Task(rig, settings, grid, start_of(rig, motion, grid, start, force), force, limits)
+        track, samples = self.drive(task)
+        health = judge(self.name, rig, grid, track, samples, limits)
+        return EngineRun(*sample(self.name, rig, grid, track, start, time), health)

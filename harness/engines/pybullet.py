@@ -2,13 +2,9 @@
 
 What has to be right for the validated accuracy, each with a test in `tests/engines/test_pybullet.py`: no damping on any
 body (0.04 a second by default), a hinge with the mean rate of the step as its surface velocity, ball velocities that
-start half a step early, the chord velocity below, a speed limit that is lifted (100 rad/s by default), and
-a contact breaking threshold that is set for every run, because Bullet keeps it for the whole process, and set higher.
-
-Chord velocity: in a step a point p of the beam moves along a chord, and the beam turns under the ball. The hinge lends
-the contact its tangential velocity α̇ e_y × p alone, which lacks −½ s α̇² dt along and −(α̇ ṡ + ½ (h + r) α̇²) dt across
-the beam. Two sliding joints between base and hinge lend these; they stay in place themselves. That raises the scheme
-from first to second order in dt: 5.7 µm became 0.4 µm at 1 ms, and 0.6 µm became 0.004 µm at 0.1 ms.
+start half a step early, the velocity of the chord (see `chord`), a speed limit that is lifted (100 rad/s by default),
+and a contact breaking threshold that is set for every run, because Bullet keeps it for the whole process, and set
+higher.
 """
 
 from __future__ import annotations
@@ -22,17 +18,17 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from analytic.geometry import RAIL_REACH, channel_of, to_world
-from analytic.motion import BallForce, BeamMotion, FloatArray, State
+from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, spin_angle_of, start_of, track_of
-from harness.engines.protocol import EngineParameters, EngineRun
+from harness.engines.chord import Pose, follow
+from harness.engines.leapfrog import Start, Track, spin_angle_of
+from harness.engines.protocol import Engine, EngineParameters, Task
 from harness.engines.stderr import without_lines
-from harness.engines.watch import STANDSTILL, Limits, Samples, finite_force, judge, limits_of
-from harness.errors import HarnessError, InputError
+from harness.engines.watch import Samples
+from harness.errors import HarnessError
 from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf
 
 with without_lines(b"pybullet build time"):  # a greeting, written from C at the first import
@@ -87,9 +83,6 @@ class PyBulletParameters(EngineParameters):
     solver_residual_threshold: float = Field(
         0.0, ge=0.0, le=1.0, description="squared residual at which the solver stops early [1]"
     )
-    slip_limit: float = Field(
-        0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
-    )
     health_interval: float = Field(0.01, ge=0.0, le=0.1, description="time between two looks at the contacts [s]")
 
     @model_validator(mode="after")
@@ -99,11 +92,11 @@ class PyBulletParameters(EngineParameters):
         return self
 
 
-class PyBullet:
-    """The rig in PyBullet; see `harness.engines.protocol.Engine`."""
+class PyBullet(Engine[PyBulletParameters]):
+    """The rig in PyBullet."""
 
-    name: str = "pybullet"
-    parameters: type[EngineParameters] = PyBulletParameters
+    name = "pybullet"
+    parameters = PyBulletParameters
 
     def __init__(self) -> None:
         self._idle: list[int] = []  # physics servers that are connected and empty
@@ -112,35 +105,12 @@ class PyBullet:
         """Version of the installed package."""
         return version("pybullet")
 
-    def run(
-        self,
-        rig: Rig,
-        motion: BeamMotion,
-        start: State,
-        time: FloatArray,
-        *,
-        parameters: EngineParameters | None = None,
-        force: BallForce | None = None,
-    ) -> EngineRun:
-        """Drive the beam and follow the ball; arguments as in `Engine.run`.
-
-        Raises:
-            EngineFailure: the run cannot be trusted.
-            InputError: stamps, motion, settings or groove cannot be worked with.
-        """
-        settings = parameters if parameters is not None else PyBulletParameters()
-        if not isinstance(settings, PyBulletParameters):
-            raise InputError(f"pybullet needs PyBulletParameters, not {type(settings).__name__}")
-        limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
-        grid = grid_of(motion, time, settings.time_step)
-        first = start_of(rig, motion, grid, start, force)
+    def drive(self, task: Task[PyBulletParameters]) -> tuple[Track, Samples]:
+        """Steps through the grid; stops early if the run is invalid."""
         with self._client() as client:
-            scene = _load(rig, settings, client)
-            scene.place(first)
-            track, samples = _drive(scene, rig, grid, first, force, limits, settings.health_interval)
-        health = judge(self.name, rig, grid, track, samples, limits)
-        trajectory, rolled = sample(self.name, rig, grid, track, start, time)
-        return EngineRun(trajectory, rolled, health)
+            scene = _load(task.rig, task.settings, client)
+            scene.place(task.first)
+            return follow(self.name, scene, task, task.settings.health_interval)
 
     @contextlib.contextmanager
     def _client(self) -> Iterator[int]:
@@ -162,28 +132,49 @@ class PyBullet:
 
 @dataclass(frozen=True)
 class _Scene:
-    """What is loaded: the physics server and the ids of bodies and joints."""
+    """What is loaded: the physics server, the ids of bodies and joints (pivot, sliding along x and z).
+
+    The beam is so heavy that only gravity moves the sliding joints within a step; that velocity, `sag` along x and z
+    [m/s], is taken off beforehand.
+    """
 
     client: int
     beam: int
     ball: int
-    pivot: int
-    chords: tuple[int, int]
+    joints: tuple[int, int, int]
+    sag: tuple[float, float]
 
     def place(self, first: Start) -> None:
         """Put the ball where it starts."""
         pybullet.resetBasePositionAndOrientation(self.ball, first.centre, (0.0, 0.0, 0.0, 1.0), self.client)
         pybullet.resetBaseVelocity(self.ball, first.velocity, (0.0, first.spin, 0.0), physicsClientId=self.client)
 
+    def pose(self) -> Pose:
+        centre, turn = pybullet.getBasePositionAndOrientation(self.ball, self.client)
+        return (*centre, *turn)
+
+    def spin_angle(self, orientations: FloatArray) -> FloatArray:
+        return spin_angle_of(orientations[:, 1], orientations[:, 3])
+
+    def push(self, pose: Pose, x: float, z: float) -> None:
+        pybullet.applyExternalForce(self.ball, -1, (x, 0.0, z), pose[:3], pybullet.WORLD_FRAME, self.client)
+
+    def step(self, angle: float, rate: float, x: float, z: float) -> Pose:
+        rates = [[rate], [x - self.sag[0]], [z - self.sag[1]]]
+        pybullet.resetJointStatesMultiDof(self.beam, self.joints, [[angle], [0.0], [0.0]], rates, self.client)
+        pybullet.stepSimulation(self.client)
+        return self.pose()
+
     def contacts(self, angle: float) -> tuple[int, float]:
-        """Contacts that carry a force, and the sum of their normal forces across the edge plane at α [rad]."""
         points = pybullet.getContactPoints(self.ball, self.beam, physicsClientId=self.client)
         loaded = [(point[7], point[9]) for point in points if point[9] > 0.0]
         up = math.sin(angle), math.cos(angle)
         return len(loaded), sum(load * (normal[0] * up[0] + normal[2] * up[1]) for normal, load in loaded)
 
+    def beam_angle(self) -> float:
+        return float(pybullet.getJointState(self.beam, self.joints[0], self.client)[0])
+
     def ball_speed(self) -> float:
-        """|velocity| of the ball's centre as the engine has it [m/s]."""
         return math.hypot(*pybullet.getBaseVelocity(self.ball, self.client)[0])
 
 
@@ -252,54 +243,5 @@ def _load(rig: Rig, settings: PyBulletParameters, client: int) -> _Scene:
         )
     for joint in joints.values():  # the motors that loadURDF leaves on
         pybullet.setJointMotorControl2(beam, joint, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
-    return _Scene(client, beam, ball, joints[PIVOT], (joints[CHORD_X], joints[CHORD_Z]))
-
-
-def _drive(
-    scene: _Scene,
-    rig: Rig,
-    grid: Grid,
-    first: Start,
-    force: BallForce | None,
-    limits: Limits,
-    health_interval: float,
-) -> tuple[Track, Samples]:
-    """Step through the grid; stops early where `judge` will raise."""
-    dt, client = grid.time_step, scene.client
-    beam, ball, pivot, joints = scene.beam, scene.ball, scene.pivot, [scene.pivot, *scene.chords]
-    angles, rates, times = grid.angle.tolist(), grid.rate.tolist(), grid.time.tolist()
-    cosines, sines = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
-    height = rig.eccentricity + rig.rolling_radius
-    # The beam is so heavy that only gravity moves the sliding joints within a step; that is taken off beforehand.
-    sag_x, _, sag_z = to_world(0.0, 0.0, -rig.gravity * dt, -rig.level_angle)
-    every = max(1, round(health_interval / dt))
-    centre, turn = pybullet.getBasePositionAndOrientation(ball, client)
-    centres, turns, samples = [centre], [turn], Samples()
-    s, speed = centre[0] * cosines[0] - centre[2] * sines[0], first.velocity_along
-    speed_before = speed - dt * first.acceleration_along
-    for n in range(grid.steps):
-        cos, sin, rate, now = cosines[n], sines[n], rates[n], 1.5 * speed - 0.5 * speed_before  # ṡ carried on to t_n
-        along = -0.5 * dt * s * rate * rate
-        normal = -dt * rate * (now + 0.5 * height * rate)
-        rates_of_chords = [along * cos + normal * sin - sag_x], [normal * cos - along * sin - sag_z]
-        pybullet.resetJointStatesMultiDof(beam, joints, [[angles[n]], [0.0], [0.0]], [[rate], *rates_of_chords], client)
-        if force is not None:
-            push = finite_force("pybullet", force, s, now, angles[n], times[n])
-            pybullet.applyExternalForce(ball, -1, (push * cos, 0.0, -push * sin), centre, pybullet.WORLD_FRAME, client)
-        pybullet.stepSimulation(client)
-        before = centre
-        centre, turn = pybullet.getBasePositionAndOrientation(ball, client)
-        centres.append(centre)
-        turns.append(turn)
-        moved = centre[0] * cosines[n + 1] - centre[2] * sines[n + 1]
-        speed_before, speed, s = speed, (moved - s) / dt, moved
-        if n % every == 0:
-            count, load = scene.contacts(angles[n])
-            samples.add(n, count, load, abs(pybullet.getJointState(beam, pivot, client)[0] - angles[n + 1]))
-            if centre == before and (abs(angles[n + 1] - angles[n]) > STANDSTILL or scene.ball_speed() > STANDSTILL):
-                samples.frozen = n
-            off = centre[2] * cosines[n + 1] + centre[0] * sines[n + 1] - height
-            if samples.frozen is not None or limits.exceeded(s, centre[1], off):
-                break
-    quaternions = np.array(turns)
-    return track_of(rig, grid, np.array(centres), spin_angle_of(quaternions[:, 1], quaternions[:, 3])), samples
+    sag_x, _, sag_z = to_world(0.0, 0.0, -rig.gravity * settings.time_step, -rig.level_angle)
+    return _Scene(client, beam, ball, (joints[PIVOT], joints[CHORD_X], joints[CHORD_Z]), (sag_x, sag_z))

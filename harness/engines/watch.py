@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,8 @@ class Samples:
         normal_force: sum of their normal forces' components normal to the edge plane [N].
         angle_error: |beam angle in the engine − α| [rad].
         frozen: step at which the engine repeated a state, if any.
+        stopped: step, kind and text of a failure that the engine itself reports, if any.
+        extremes: values of `Health` that the engine knows of every step, in place of those of the samples.
     """
 
     step: list[int] = field(default_factory=list)
@@ -80,6 +83,8 @@ class Samples:
     normal_force: list[float] = field(default_factory=list)
     angle_error: list[float] = field(default_factory=list)
     frozen: int | None = None
+    stopped: tuple[int, Failure, str] | None = None
+    extremes: dict[str, Any] = field(default_factory=dict)
 
     def add(self, step: int, contacts: int, normal_force: float, angle_error: float) -> None:
         """Append one sample."""
@@ -98,7 +103,14 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
     Raises:
         EngineFailure: the run is invalid.
     """
-    _require_finite(engine, grid, track)
+
+    def fail(failure: Failure, n: int, what: str) -> EngineFailure:
+        return EngineFailure(engine, failure, float(grid.time[n]), f"{what}; {failure.value}")
+
+    finite = np.isfinite([track.along, track.across, track.height, track.rolled])
+    bad = _first(np.any(~finite, axis=0, keepdims=False))
+    if bad is not None:
+        raise fail(Failure.NOT_FINITE, bad, "a state is NaN or infinite")
     height_error = track.height - rig.rolling_radius
     slip = (np.diff(track.along) - rig.rolling_radius * np.diff(track.rolled)) / grid.time_step
     left = _first((np.abs(track.across) > limits.across) | (np.abs(height_error) > limits.height))
@@ -109,9 +121,6 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
     lost = loose[0] if loose else None
     # A ball without contact always slips: slip counts only up to the last sample with contact.
     held = [n for n in samples.step if (left is None or n < left) and (lost is None or n < lost)]
-
-    def fail(failure: Failure, n: int, what: str) -> EngineFailure:
-        return EngineFailure(engine, failure, float(grid.time[n]), f"{what}; {failure.value}")
 
     if samples.frozen is not None:
         raise fail(Failure.FROZEN, samples.frozen, "the ball did not move although it should have")
@@ -130,7 +139,10 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
         at = samples.step.index(lost)
         seen = f"{samples.contacts[at]} contacts with {samples.normal_force[at]:.3g} N"
         raise fail(Failure.LOST_CONTACT, lost, f"{seen} at s = {track.along[lost]:.3f} m")
-    return Health(
+    if samples.stopped is not None:
+        n, failure, what = samples.stopped
+        raise fail(failure, n, what)
+    health = Health(
         contacts_min=min(samples.contacts),
         contacts_max=max(samples.contacts),
         normal_force_min=min(samples.normal_force),
@@ -140,6 +152,7 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
         angle_error_max=max(samples.angle_error),
         steps=grid.steps,
     )
+    return replace(health, **samples.extremes)
 
 
 def finite_force(engine: str, force: BallForce, s: float, speed: float, angle: float, time: float) -> float:
@@ -152,14 +165,6 @@ def finite_force(engine: str, force: BallForce, s: float, speed: float, angle: f
     if not math.isfinite(push):
         raise EngineFailure(engine, Failure.NOT_FINITE, time, f"the extra force is {push} N at s = {s:.3f} m")
     return push
-
-
-def _require_finite(engine: str, grid: Grid, track: Track) -> None:
-    good = np.isfinite(track.along) & np.isfinite(track.across) & np.isfinite(track.height) & np.isfinite(track.rolled)
-    bad = _first(~good)
-    if bad is not None:
-        failure = Failure.NOT_FINITE
-        raise EngineFailure(engine, failure, float(grid.time[bad]), f"a state is NaN or infinite; {failure.value}")
 
 
 def _first(condition: NDArray[np.bool_]) -> int | None:

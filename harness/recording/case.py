@@ -52,6 +52,22 @@ class Case:
     findings: tuple[DataFinding, ...]
     sha256: str | None
 
+    @property
+    def name(self) -> str:
+        """For headings and folders."""
+        return case_name(self.path)
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the recordings are simulated, not measured, according to their origin."""
+        return (self.origin or "").lower().startswith("simulated")
+
+
+def case_name(path: Path) -> str:
+    """Name of the case at `path`: of its folder, or of its recording."""
+    path = path.resolve()
+    return path.parent.name if path.name == RIG_FILE else path.stem
+
 
 def load_case(path: str | Path) -> Case:
     """Reads a case: a folder, its `rig.toml`, or a single CSV recording.

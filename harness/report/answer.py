@@ -74,18 +74,13 @@ class Facts:
     declared: Sequence[str] = ()
 
 
-def is_simulated(study: Study) -> bool:
-    """Whether the recording is simulated, according to its declared origin."""
-    return (study.setting.case.origin or "").lower().startswith("simulated")
-
-
 def facts_of(study: Study) -> Facts:
     """The facts of a study."""
     setting, headline = study.setting, study.headline
     whole = setting.horizons[0]
     ranked = standings(study, headline)
     return Facts(
-        recording="the simulated recording" if is_simulated(study) else "the recording",
+        recording="the simulated recording" if setting.case.simulated else "the recording",
         case=str(setting.case.path),
         seconds=headline.seconds,
         duration=float(setting.time[-1] - setting.time[whole.first[0]]),

@@ -182,11 +182,7 @@ def _propagate(
 
 
 def smooth_rounded(
-    time: FloatArray,
-    count: FloatArray,
-    step: float,
-    noise: float | None = 0.0,
-    density: float | None = None,
+    time: FloatArray, count: FloatArray, step: float, noise: float | None = 0.0, density: float | None = None
 ) -> tuple[Smoothed, FloatArray, float]:
     """Smooth a signal that was rounded to the nearest multiple of `step`, or a continuous one.
 

@@ -205,10 +205,7 @@ def kalman_smoother(
 
 
 def smooth(
-    time: FloatArray,
-    value: FloatArray,
-    variance: FloatArray | float,
-    density: FloatArray | float | None = None,
+    time: FloatArray, value: FloatArray, variance: FloatArray | float, density: FloatArray | float | None = None
 ) -> Smoothed:
     """Smooth a signal.
 

@@ -79,9 +79,7 @@ def truth_text() -> str:
     """What acts in the recordings beyond the rig that `rig.toml` declares."""
     truth = {
         "origin": ORIGIN,
-        "effects": [
-            {"name": effects.ROLLING_RESISTANCE.name, "parameters": {"coefficient": ROLLING_RESISTANCE}},
-        ],
+        "effects": [{"name": effects.ROLLING_RESISTANCE.name, "parameters": {"coefficient": ROLLING_RESISTANCE}}],
         "unlisted": None,
         "declared": [],
     }

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from analytic.effects import CATALOGUE, STRIBECK_FRICTION, Acting, EffectError, acting
 from analytic.effects.catalogue import check_values
+from analytic.effects.parameter import Limits
 from analytic.naming import did_you_mean
 from harness.errors import InputError
 from harness.simulator.acting import OWN_LAWS
@@ -19,15 +20,6 @@ Effects = Mapping[str, Mapping[str, float]]
 """What acts: name -> values of its parameters (SI)."""
 
 DEPENDENCES = ("position", "velocity", "angle", "roll_angle", "time")
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """Unit and bounds, both included, of one parameter."""
-
-    unit: str
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -41,22 +33,22 @@ class Entry:
     """
 
     law: str
-    parameters: Mapping[str, Bounds]
+    parameters: Mapping[str, Limits]
     depends_on: tuple[str, ...]
 
 
-_NUMBER = Bounds("1", 0.0, 1.0)
-_PLACE = Bounds("m", -10.0, 10.0)
-_LENGTH = Bounds("m", 1e-3, 10.0)
-_FORCE = Bounds("N", -1.0, 1.0)
-_INSTANT = Bounds("s", -1e6, 1e6)
+_NUMBER = Limits("1", 0.0, 1.0)
+_PLACE = Limits("m", -10.0, 10.0)
+_LENGTH = Limits("m", 1e-3, 10.0)
+_FORCE = Limits("N", -1.0, 1.0)
+_INSTANT = Limits("s", -1e6, 1e6)
 
 UNLISTED: Mapping[str, Entry] = {
     "gust": Entry("F from one instant to another", {"force": _FORCE, "start": _INSTANT, "end": _INSTANT}, ("time",)),
-    "drifting_force": Entry("F = q t", {"rate": Bounds("N/s", -0.1, 0.1)}, ("time",)),
+    "drifting_force": Entry("F = q t", {"rate": Limits("N/s", -0.1, 0.1)}, ("time",)),
     "fading_resistance": Entry(
         "|F| <= c exp(−t/τ) N against rolling, set-valued",
-        {"coefficient": _NUMBER, "time_constant": Bounds("s", 1e-2, 1e6)},
+        {"coefficient": _NUMBER, "time_constant": Limits("s", 1e-2, 1e6)},
         ("time", "velocity"),
     ),
     "rough_patch": Entry(
@@ -75,17 +67,17 @@ UNLISTED: Mapping[str, Entry] = {
         ("position",),
     ),
     "cubic_spring": Entry(
-        "F = −k (s − s_c)³", {"stiffness": Bounds("N/m³", -1e3, 1e3), "centre": _PLACE}, ("position",)
+        "F = −k (s − s_c)³", {"stiffness": Limits("N/m³", -1e3, 1e3), "centre": _PLACE}, ("position",)
     ),
-    "cubic_drag": Entry("F = −c ṡ³", {"coefficient": Bounds("N s³/m³", 0.0, 1e3)}, ("velocity",)),
-    "cable_pull": Entry("F sin(p α)", {"force": _FORCE, "frequency": Bounds("1/rad", 0.0, 1e3)}, ("angle",)),
+    "cubic_drag": Entry("F = −c ṡ³", {"coefficient": Limits("N s³/m³", 0.0, 1e3)}, ("velocity",)),
+    "cable_pull": Entry("F sin(p α)", {"force": _FORCE, "frequency": Limits("1/rad", 0.0, 1e3)}, ("angle",)),
     "sticky_spot": Entry(
         "|F| <= c exp((cos(φ + φ₀) − 1)/w²) N against rolling, set-valued, φ₀ free per recording",
-        {"coefficient": _NUMBER, "width": Bounds("rad", 0.05, 10.0)},
+        {"coefficient": _NUMBER, "width": Limits("rad", 0.05, 10.0)},
         ("roll_angle", "velocity"),
     ),
     "out_of_round": Entry(
-        "torque T sin 2(φ + φ₀), φ₀ free per recording", {"torque": Bounds("N m", -1e-3, 1e-3)}, ("roll_angle",)
+        "torque T sin 2(φ + φ₀), φ₀ free per recording", {"torque": Limits("N m", -1e-3, 1e-3)}, ("roll_angle",)
     ),
 }
 

@@ -15,14 +15,7 @@ from analytic.rig import Rig
 from harness.engines.catalogue import engine_of
 from harness.errors import InputError
 from harness.simulator.experiment import Mover
-from harness.simulator.laws import (
-    Laws,
-    ball_torque,
-    dahl,
-    force_along,
-    resistance_coefficients,
-    track_tilt,
-)
+from harness.simulator.laws import Laws, ball_torque, dahl, force_along, resistance_coefficients, track_tilt
 from harness.simulator.plant import Plant, Run
 from harness.simulator.replay import beam_motion
 

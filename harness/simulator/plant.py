@@ -99,8 +99,7 @@ class Plant:
 
         rig = rig_with(self.rig, acting)
         rig = rig.with_(
-            level_angle=rig.level_angle + value(LEVEL_ERROR, 0.0),
-            eccentricity=value(ECCENTRIC_PIVOT, rig.eccentricity),
+            level_angle=rig.level_angle + value(LEVEL_ERROR, 0.0), eccentricity=value(ECCENTRIC_PIVOT, rig.eccentricity)
         )
         transmission = transmission_with(acting)
         return replace(

@@ -56,9 +56,7 @@ class Sensors:
         """
         law, channel = sensor_with(listed(checked(effects))), self.channel
         channel = Channel(
-            gain=channel.gain * law.gain,
-            time_constant=channel.time_constant + law.lag,
-            delay=channel.delay + law.delay,
+            gain=channel.gain * law.gain, time_constant=channel.time_constant + law.lag, delay=channel.delay + law.delay
         )
         return replace(self, channel=channel)
 

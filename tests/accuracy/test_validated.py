@@ -8,7 +8,6 @@ import pytest
 from analytic.kernel import simulate
 from analytic.models import CAM
 from analytic.motion import FloatArray, State
-from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.simulator import Plant
@@ -16,6 +15,7 @@ from harness.simulator import simulate as perform
 from tests.conftest import Establish
 from tests.engines.test_dart import needs_dart
 from tests.motions import Sines
+from tests.reference import reference
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from analytic import models
+from analytic import models, slots
 from analytic.law import acceleration
 from analytic.models import MODELS, Model, Reading, coefficients
 from analytic.rig import Rig
@@ -67,24 +67,24 @@ def test_printed_unit_keeps_only_the_viscous_motion(model: Model) -> None:
 def test_each_slot_has_its_documented_unit(model: Model) -> None:
     """Convert each parameter of the kernel by the unit that `coefficients` documents."""
     dimension = {
-        models.GRAVITY: ACCELERATION,
-        models.CENTRIFUGAL: NUMBER,
-        models.ECCENTRIC: LENGTH,
-        models.LEVEL: NUMBER,
-        models.LINEAR: NUMBER,
-        models.READING: NUMBER,
-        models.FRICTION_GAIN: FRICTION_GAIN[model.reading],
-        models.TRANSITION: VELOCITY,
-        models.RESPONSE: NUMBER,
-        models.HEIGHT: LENGTH,
-        models.WEIGHT: ACCELERATION,
-        models.ROLL: NUMBER / LENGTH,
+        slots.GRAVITY: ACCELERATION,
+        slots.CENTRIFUGAL: NUMBER,
+        slots.ECCENTRIC: LENGTH,
+        slots.LEVEL: NUMBER,
+        slots.LINEAR: NUMBER,
+        slots.READING: NUMBER,
+        slots.FRICTION_GAIN: FRICTION_GAIN[model.reading],
+        slots.TRANSITION: VELOCITY,
+        slots.RESPONSE: NUMBER,
+        slots.HEIGHT: LENGTH,
+        slots.WEIGHT: ACCELERATION,
+        slots.ROLL: NUMBER / LENGTH,
         # effects: none acts, so that every unit would do; their own tests look at them when they do
-        **dict.fromkeys((*range(models.VISCOUS, models.ROLL), *range(models.TURN + 1, models.SLOTS)), NUMBER),
-        models.TRACTION: NUMBER,
-        models.TURN: LENGTH,
+        **dict.fromkeys((*range(slots.VISCOUS, slots.ROLL), *range(slots.TURN + 1, slots.SLOTS)), NUMBER),
+        slots.TRACTION: NUMBER,
+        slots.TURN: LENGTH,
     }
-    assert sorted(dimension) == list(range(models.SLOTS))
+    assert sorted(dimension) == list(range(slots.SLOTS))
     old, new = coefficients(model, RIG), coefficients(model, in_new_units(model.reading.unit))
     for slot, each in dimension.items():
         assert new[slot] == pytest.approx(old[slot] * each.scale(*NEW), rel=1e-14)

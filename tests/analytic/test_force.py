@@ -12,9 +12,10 @@ from scipy.integrate import solve_ivp
 from analytic.effects import CATALOGUE, Acting, Effect, EffectError, Force, Parameter, joined, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.law import hermite
-from analytic.models import CAM, LAW_NODES, ORIGIN, SLOTS, coefficients
+from analytic.models import CAM, coefficients
 from analytic.motion import FloatArray, beam_states
 from analytic.rig import Rig
+from analytic.slots import LAW_NODES, ORIGIN, SLOTS
 from tests.motions import Sines
 
 RIG, MOTION = Rig(), Sines()

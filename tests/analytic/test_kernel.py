@@ -10,9 +10,9 @@ import pytest
 from analytic.kernel import Grid, Runs, integrate, simulate
 from analytic.models import CAM, CUM, FRICTION, MODELS, Model, Reading, coefficients
 from analytic.motion import BeamMotion, FloatArray, State
-from analytic.reference import reference
 from analytic.rig import Rig
 from tests.motions import ClosedForm, Fixed, Ramp, Sines
+from tests.reference import reference
 
 RIG = Rig(level_angle=0.002)
 MOTION = Sines()

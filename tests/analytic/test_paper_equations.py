@@ -9,26 +9,10 @@ from scipy.integrate import solve_ivp
 
 from analytic.models import MODELS
 from analytic.motion import State, beam_states
-from analytic.reference import reference
 from analytic.rig import Rig
-from tests.analytic.symbols import (
-    J,
-    R,
-    alpha,
-    alpha_0,
-    angular,
-    f_b,
-    g,
-    h,
-    kernel_acceleration,
-    m,
-    r,
-    rate,
-    s,
-    v,
-    v_t,
-)
+from tests.analytic.symbols import J, R, alpha, alpha_0, angular, f_b, g, h, kernel_acceleration, m, r, rate, s, v, v_t
 from tests.motions import Sines
+from tests.reference import reference
 
 a = sp.symbols("s̈", real=True)
 weight = m * g * sp.sin(alpha + alpha_0)

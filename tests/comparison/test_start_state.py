@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
-from analytic.models import CAM, ECCENTRIC, coefficients
+from analytic.models import CAM, coefficients
 from analytic.motion import State
+from analytic.slots import ECCENTRIC
 from harness.comparison import Setting
 from harness.comparison.horizons import Horizon
 from harness.comparison.sources import run_models

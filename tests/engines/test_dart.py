@@ -11,13 +11,13 @@ import pytest
 
 from analytic.models import CAM
 from analytic.motion import BallForce, BeamMotion, State
-from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.dart import Dart, DartParameters
 from harness.engines.health import Failure
 from harness.engines.protocol import EngineRun
 from harness.errors import EngineFailure, InputError
 from tests.motions import ClosedForm, Fixed, Sines
+from tests.reference import reference
 
 
 def dart_loads() -> bool:

@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from analytic.geometry import RAIL_REACH
 from analytic.models import CAM
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, beam_states
-from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.health import Failure
 from harness.engines.mujoco import MuJoCo
@@ -20,6 +19,7 @@ from harness.engines.mujoco_parameters import MuJoCoParameters
 from harness.engines.protocol import EngineRun
 from harness.errors import EngineFailure, InputError
 from tests.motions import Fixed, Sines
+from tests.reference import reference
 
 PAPER = Rig()
 STEEP = Rig(mass=0.033, inertia=1.32e-6, radius=0.01, rolling_radius=0.007, eccentricity=0.02)  # normals lean 45.6°

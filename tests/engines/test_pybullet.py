@@ -14,13 +14,13 @@ from scipy.integrate import solve_ivp
 
 from analytic.models import CAM
 from analytic.motion import BallForce, State, beam_states
-from analytic.reference import reference
 from analytic.rig import Rig
 from harness.engines.health import Failure
 from harness.engines.protocol import EngineRun
 from harness.engines.pybullet import PyBullet, PyBulletParameters
 from harness.errors import EngineFailure, InputError
 from tests.motions import ClosedForm, Fixed, Ramp, Sines
+from tests.reference import reference
 
 PAPER = Rig()
 SMALL = Rig(radius=0.01, rolling_radius=0.007, inertia=2.84e-6)

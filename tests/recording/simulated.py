@@ -10,8 +10,8 @@ import numpy as np
 
 from analytic.models import CAM
 from analytic.motion import FloatArray, State
-from analytic.reference import reference
 from analytic.rig import Rig
+from tests.reference import reference
 
 ANGLE_STEP = 2 * np.pi / 40_000  # counts of a fine encoder [rad]
 POSITION_STEP = 1e-4  # digits of the position [m]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.kernel import Grid, integrate
-from analytic.models import CAM, CENTRIFUGAL, coefficients
+from analytic.models import CAM, coefficients
 from analytic.rig import Rig
+from analytic.slots import CENTRIFUGAL
 from harness.signals.prescribed import integrate_twice, nodes
 from tests.motions import Sines
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from analytic.compiled import njit
 from analytic.effects import parameters_with, transmission_with
-from analytic.models import ORIGIN
 from analytic.motion import FloatArray
+from analytic.slots import ORIGIN
 from analytic.step import advance
 from harness.identify.design.excitation import OperatingEnvelope, Profile
 from harness.identify.filter.run import run_filter

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
-from analytic.models import DAHL, TRACTION
 from analytic.motion import FloatArray
+from analytic.slots import DAHL, TRACTION
 from analytic.step import advance
 
 SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted

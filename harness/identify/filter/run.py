@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.effects import parameters_with
-from analytic.models import ORIGIN
 from analytic.motion import FloatArray
+from analytic.slots import ORIGIN
 from harness.identify.filter.ekf import (
     BeamTable,
     Readings,

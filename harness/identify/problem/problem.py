@@ -15,6 +15,7 @@ from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray
 from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
+from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.prescribed import nodes
 
@@ -30,6 +31,11 @@ class PreparedRecording:
     time: FloatArray
     reading: FloatArray
     drive: Drive
+
+    @classmethod
+    def of(cls, observed: Observed) -> PreparedRecording:
+        """From a prepared recording, under the recording's name."""
+        return cls(observed.recording.name, np.array(observed.recording.time), observed.reading, observed.drive)
 
     @cached_property
     def grid(self) -> Grid:

@@ -23,8 +23,8 @@ from analytic.law import (
     OF_VELOCITY,
     curve_at,
 )
-from analytic.models import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP, SLOTS
 from analytic.motion import FloatArray
+from analytic.slots import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP, SLOTS
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.record import SplineTermRecord
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from analytic.effects import CATALOGUE, Acting, parameters_with
 from analytic.law import acceleration, dry_limit
-from analytic.models import RESPONSE, ROLL, WEIGHT
 from analytic.motion import FloatArray
+from analytic.slots import RESPONSE, ROLL, WEIGHT
 from harness.identify.estimate.fit import Fit, fit, unrefined
 from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen

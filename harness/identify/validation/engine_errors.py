@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from analytic.effects import rig_with, sensor_with
-from analytic.models import DRY_MINUS, DRY_PLUS, LEVEL
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
+from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineParameters

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from harness.benchmark.pose import pose as pose_trial
-from harness.benchmark.trials import plan
+from benchmarks.calibration.pose import pose as pose_trial
+from benchmarks.calibration.trials import plan
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
 from harness.identify.filter import run as filter_run

@@ -9,9 +9,10 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.law import acceleration, dry_limit
-from analytic.models import CAM, MOST_NODES, ORIGIN, RESPONSE, SHAPE, SLOTS, WEIGHT, coefficients
+from analytic.models import CAM, coefficients
 from analytic.motion import FloatArray
 from analytic.rig import Rig
+from analytic.slots import MOST_NODES, ORIGIN, RESPONSE, SHAPE, SLOTS, WEIGHT
 from harness.identify.estimate.starts import starting_points
 from harness.identify.filter import run as filter_run
 from harness.identify.problem.hypothesis import Hypothesis, Terms

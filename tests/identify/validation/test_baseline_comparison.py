@@ -11,8 +11,8 @@ from analytic.motion import FloatArray
 from harness.identify.diagnosis import diagnose
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.window_errors import window_error
+from harness.identify.pose import problem_of, unknown_effects
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of, unknown_effects
 from harness.identify.problem.windows import windows_of
 from harness.identify.validation.baseline_comparison import (
     AFTER,
@@ -118,7 +118,7 @@ def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
 @pytest.mark.parametrize(("name", "count"), [("daisy", 2), ("uts", 3)])
 def test_measured_rigs_are_predicted_better_than_by_baselines(name: str, count: int) -> None:
     """Predict held-out pieces of real rigs better than both baselines, from their first recordings."""
-    problem = problem_of(load_case(RECORDINGS / name))[0]
-    made = diagnose(replace(problem, records=problem.records[:count])).baselines
+    problem = problem_of(load_case(RECORDINGS / name))
+    made = diagnose(replace(problem, recordings=problem.recordings[:count])).baselines
     assert made is not None
     assert made.rms(AFTER) < min(made.rms(one) for one in BASELINES)

@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
 
 from analytic.rig import Rig
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
 from harness.identify.validation.baselines import (
@@ -65,7 +65,7 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
     rig = Rig()
     rig = rig.with_(eccentricity=rig.eccentricity - rig.lever)
     truth = write_case(tmp_path / "case", Experiment(rig=rig, predict=0, seed=3))
-    problem, _ = problem_of(load_case(tmp_path / "case"))
+    problem = problem_of(load_case(tmp_path / "case"))
     windows = windows_of(problem.recordings)
     missed, column = [], []
     for window in windows:

@@ -1,0 +1,1 @@
+"""Measurements of the product, which neither contains nor needs them."""

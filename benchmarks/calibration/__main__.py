@@ -1,0 +1,94 @@
+"""`python -m benchmarks.calibration`: run the trials that are missing, then write the tables of all there are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from benchmarks.calibration.publish import publish
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.run import run
+from benchmarks.calibration.store import Store, sources_digest
+from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, STUDIES, plan
+from harness.errors import InputError
+
+_ROWS = Path("build/calibration/rows.jsonl")
+
+
+@click.command(context_settings={"max_content_width": 100})
+@click.option("--study", "studies", type=click.Choice(STUDIES), multiple=True, help="This study; default: all of them.")
+@click.option("--count", default=NULL_TRIALS, show_default=True, help="Effect-free trials.")
+@click.option("--seeds", default=SEEDS, show_default=True, help="Trials of each effect and size.")
+@click.option("--only-effect", "only", multiple=True, help='Trials that hide this alone; pairs as "a + b".')
+@click.option("--jobs", default=os.cpu_count() or 1, show_default=True, help="Trials side by side.")
+@click.option("--rows", default=_ROWS, show_default=True, type=click.Path(path_type=Path), help="Kept rows.")
+@click.option("--source", help="Take rows of this digest of the sources for current; default: the digest of what is.")
+@click.option("--tables-only", is_flag=True, help="Write tables of the rows there are.")
+@click.option(
+    "--docs", default=Path("docs"), show_default=True, type=click.Path(path_type=Path), help="Tables go here."
+)
+def main(
+    studies: tuple[str, ...],
+    count: int,
+    seeds: int,
+    only: tuple[str, ...],
+    jobs: int,
+    rows: Path,
+    source: str | None,
+    tables_only: bool,
+    docs: Path,
+) -> None:
+    """Diagnose simulated rigs whose truth is known, blind, and tabulate how often that is right.
+
+    Rows are kept; a run that was stopped goes on where it was, and a changed search begins anew.
+
+    Example: python -m benchmarks.calibration --study null --count 20 --jobs 2
+    """
+    store = Store(rows, source or sources_digest())
+    try:
+        trials = plan(studies or STUDIES, count=count, seeds=seeds, only=only)
+    except InputError as error:
+        raise click.UsageError(str(error)) from error
+    if not tables_only:
+        missing = len(store.missing(trials))
+        click.echo(f"{len(trials)} trials, {missing} of them to run (sources {store.source})", err=True)
+        with _bar() as bar:
+            task = bar.add_task("trials", total=missing)
+
+            def told(row: Row) -> None:
+                bar.console.print(_line(row), markup=False, highlight=False, soft_wrap=True)
+                bar.advance(task)
+
+            run(trials, store, jobs=jobs, told=told)
+    found = list(store.rows().values())
+    if not found:
+        kept = ", ".join(f"{name} ({n})" for name, n in store.sources().most_common()) or "none"
+        raise click.UsageError(f"{rows}: no rows of sources {store.source}; there are: {kept}. Choose with --source")
+    for path in publish(found, docs, store.source):
+        click.echo(path)
+    failed = [row for row in found if row.error is not None]
+    for row in failed:
+        click.echo(f"failed: {row.trial.name}, number {row.trial.number}: {row.error}", err=True)
+    if failed:
+        raise SystemExit(1)
+
+
+def _bar() -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True))
+
+
+def _line(row: Row) -> str:
+    trial = row.trial
+    what = f"{trial.study} {trial.name} {trial.size} #{trial.number} {trial.plant} {trial.encoder}"
+    names = " + ".join(one.name for one in row.named) or "nothing"
+    curve = f" + a curve of {row.depends_on}" if row.depends_on else ""
+    return f"{what}: {row.error or names + curve} [{row.outcome}] {row.seconds:.0f} s"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,4 +1,0 @@
-"""How far a diagnosis can be trusted: blind trials with a known truth, and the tables made of them.
-
-`python -m harness.benchmark` (`make calibrate`) runs what is missing and writes `docs/calibration.md`.
-"""
