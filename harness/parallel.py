@@ -27,7 +27,7 @@ _jobs: Sequence[Callable[[], Any]] = ()  # in a forked process
 
 
 def side_by_side(
-    jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
+    jobs: Sequence[Callable[[], T]], workers: int, on_done: Callable[[int], None] = lambda _: None
 ) -> list[T]:
     """Results of `jobs`, in their order.
 
@@ -36,18 +36,18 @@ def side_by_side(
     Args:
         jobs: functions whose results can be pickled; they need not be picklable themselves.
         workers: largest number of processes.
-        told: called after each job with the number of finished jobs.
+        on_done: called after each job with the number of finished jobs.
 
     Raises:
         HarnessError: a process ended during a job. Exceptions of a job are passed on.
     """
-    with meanwhile(jobs, workers, told) as results:
+    with meanwhile(jobs, workers, on_done) as results:
         return results()
 
 
 @contextmanager
 def meanwhile(
-    jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
+    jobs: Sequence[Callable[[], T]], workers: int, on_done: Callable[[int], None] = lambda _: None
 ) -> Iterator[Results[T]]:
     """As `side_by_side`, but the jobs run while the block does; the function that it is given awaits the results.
 
@@ -55,29 +55,29 @@ def meanwhile(
     """
     workers = min(workers, len(jobs))
     if workers < 2 or sys.platform != "linux" or multiprocessing.parent_process() is not None:
-        yield partial(_one_by_one, jobs, told)
+        yield partial(_one_by_one, jobs, on_done)
         return
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin, (jobs,))
     try:
         pending = [pool.submit(_do, index) for index in range(len(jobs))]
-        yield partial(_awaited, pending, told)
+        yield partial(_awaited, pending, on_done)
     finally:
         pool.shutdown(cancel_futures=True)
 
 
-def _one_by_one(jobs: Sequence[Callable[[], T]], told: Callable[[int], None]) -> list[T]:
+def _one_by_one(jobs: Sequence[Callable[[], T]], on_done: Callable[[int], None]) -> list[T]:
     results = []
     for job in jobs:
         results.append(job())
-        told(len(results))
+        on_done(len(results))
     return results
 
 
-def _awaited(pending: Sequence[Future[T]], told: Callable[[int], None]) -> list[T]:
+def _awaited(pending: Sequence[Future[T]], on_done: Callable[[int], None]) -> list[T]:
     try:
         for done, future in enumerate(as_completed(pending), start=1):
             future.result()
-            told(done)
+            on_done(done)
     except BrokenProcessPool as error:
         raise HarnessError("a process ended during its work; check that there is enough memory") from error
     return [future.result() for future in pending]

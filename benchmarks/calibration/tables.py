@@ -1,4 +1,4 @@
-"""Rows into tables: false positives, recovery, confusion, power, coverage. Every rate has its Wilson interval."""
+"""Tables of the blind trials: false positives, recovery, confusion, power, coverage; rates with Wilson intervals."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from benchmarks.calibration.rows import Interval, Outcome, Row
 from benchmarks.calibration.sizes import PAIRS, POWER, SCALES, SIZES, UNLISTED_SCALES
 
 ALL = "all"
-ELSEWHERE = ("several", "a curve", "nothing")
-"""Columns of the confusion beside the effects."""
+ELSEWHERE = ("several", "spline term", "nothing")
+"""Columns of the confusion matrix after those of the effects."""
 
 
 def rate(successes: int, trials: int) -> dict[str, float]:
-    """Rate with its 95 % interval (Wilson, J. Amer. Statist. Assoc. 22, 1927); NaN of no trials."""
+    """Rate with its 95 % interval (Wilson, J. Amer. Statist. Assoc. 22, 1927); NaN without trials."""
     if not trials:
         return {"rate": math.nan, "low": math.nan, "high": math.nan}
     interval = binomtest(successes, trials).proportion_ci(method="wilson")
@@ -26,7 +26,7 @@ def rate(successes: int, trials: int) -> dict[str, float]:
 
 
 def tables(rows: Sequence[Row]) -> dict[str, pd.DataFrame]:
-    """Every table by the name of its file; tables of studies of which there is no row are left out."""
+    """Every table by the name of its file; empty tables are left out."""
     made = {
         "null": null(rows),
         "null_named": null_named(rows),
@@ -41,7 +41,7 @@ def tables(rows: Sequence[Row]) -> dict[str, pd.DataFrame]:
 
 
 def null(rows: Iterable[Row]) -> pd.DataFrame:
-    """False positives of effect-free trials, by plant and encoder, and of all."""
+    """False positives in trials without a hidden effect, by plant and encoder, and in total."""
     return _by_plant([row for row in rows if row.trial.study == "null"], _false)
 
 
@@ -53,19 +53,19 @@ def _false(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def null_named(rows: Iterable[Row]) -> pd.DataFrame:
-    """What was named where nothing acts, and how often."""
+    """Terms found in trials without a hidden effect, with the number of trials."""
     names: dict[str, int] = {}
     for row in rows:
         if row.trial.study == "null":
-            curve = [f"a curve of {row.depends_on}"] if row.depends_on else []
-            for name in (*(one.name for one in row.named), *curve):
+            spline = [f"spline of {row.depends_on}"] if row.depends_on else []
+            for name in (*(one.name for one in row.named), *spline):
                 names[name] = names.get(name, 0) + 1
     ordered = sorted(names.items(), key=lambda item: (-item[1], item[0]))
     return pd.DataFrame(ordered, columns=["named", "cases"])
 
 
 def recovery(rows: Iterable[Row]) -> pd.DataFrame:
-    """Outcomes of single effects of the catalogue by effect and size, and of all effects; `rate`: right or partner."""
+    """Outcomes of single effects by effect and size, and in total; `rate`: right or partner."""
     single = [row for row in rows if row.trial.study == "confusion" and row.trial.name in SCALES]
     lines = []
     for effect in (*SCALES, ALL):
@@ -78,12 +78,12 @@ def recovery(rows: Iterable[Row]) -> pd.DataFrame:
 
 def _outcomes(rows: Sequence[Row]) -> dict[str, float]:
     counts = {str(outcome): sum(row.outcome is outcome for row in rows) for outcome in Outcome}
-    told = counts[Outcome.RIGHT] + counts[Outcome.PARTNER]
-    return {"cases": len(rows), **counts, **rate(told, len(rows))}
+    recovered = counts[Outcome.RIGHT] + counts[Outcome.PARTNER]
+    return {"cases": len(rows), **counts, **rate(recovered, len(rows))}
 
 
 def confusion(rows: Iterable[Row], size: str) -> pd.DataFrame:
-    """What acted (lines) against what was named (columns) at one size: counts. A partner stands under its own name."""
+    """Confusion matrix at one size: hidden effects (rows) against effects found (columns), partners by their names."""
     lines: dict[str, dict[str, int]] = {}
     for row in rows:
         trial = row.trial
@@ -95,16 +95,16 @@ def confusion(rows: Iterable[Row], size: str) -> pd.DataFrame:
 
 
 def _heading(row: Row) -> str:
-    several, curve, nothing = ELSEWHERE
+    several, spline, nothing = ELSEWHERE
     if row.depends_on is not None:
-        return curve
+        return spline
     if len(row.named) > 1:
         return several
     return row.named[0].name if row.named else nothing
 
 
 def beyond(rows: Iterable[Row]) -> pd.DataFrame:
-    """Outcomes of unlisted structures (right: a curve, of what it depends on most) and of pairs."""
+    """Outcomes of unlisted effects (right: a spline term with the main regressor) and of pairs."""
     kinds = dict.fromkeys(UNLISTED_SCALES, "unlisted") | {" + ".join(pair): "pair" for pair in PAIRS}
     confused = [row for row in rows if row.trial.study == "confusion"]
     lines = []
@@ -113,13 +113,13 @@ def beyond(rows: Iterable[Row]) -> pd.DataFrame:
         for name in (*names, ALL):
             here = [row for row in confused if row.trial.name in (names if name == ALL else [name])]
             if here:
-                curves = sum(row.verdict == "unlisted" for row in here)
-                lines.append({"kind": kind, "acts": name, "curves": curves, **_outcomes(here)})
+                splines = sum(row.verdict == "unlisted" for row in here)
+                lines.append({"kind": kind, "acts": name, "spline_terms": splines, **_outcomes(here)})
     return pd.DataFrame(lines)
 
 
 def power(rows: Iterable[Row]) -> pd.DataFrame:
-    """How often an effect is found, against its size; `rate` is of those found, right or with something besides."""
+    """Share of trials in which an effect is found, by effect and size; `rate` counts right, partner and more."""
     lines = []
     followed = [row for row in rows if row.trial.study in ("confusion", "power") and row.trial.name in POWER]
     for effect in POWER:
@@ -129,13 +129,13 @@ def power(rows: Iterable[Row]) -> pd.DataFrame:
             found = sum(row.outcome.found for row in here)
             change = abs(scale.at(factor, parameter) - scale.neutral)
             line = {"effect": effect, "parameter": parameter, "factor": factor, "change": float(f"{change:.6g}")}
-            silent = sum(row.outcome is Outcome.NOTHING for row in here)
-            lines.append({**line, "cases": len(here), "nothing": silent, "found": found, **rate(found, len(here))})
+            nothing = sum(row.outcome is Outcome.NOTHING for row in here)
+            lines.append({**line, "cases": len(here), "nothing": nothing, "found": found, **rate(found, len(here))})
     return pd.DataFrame(lines)
 
 
 def coverage(rows: Iterable[Row]) -> pd.DataFrame:
-    """How often 95 % intervals hold the truth where all that acts was named, by parameter, and of all."""
+    """Share of 95 % intervals that contain the true value if all hidden effects were found, by parameter and total."""
     found = [interval for row in rows for interval in row.intervals()]
     keys = sorted({(one.effect, one.parameter) for one in found}, key=lambda key: (list(SCALES).index(key[0]), key[1]))
     lines = []
@@ -150,31 +150,31 @@ def coverage(rows: Iterable[Row]) -> pd.DataFrame:
 def _covered(intervals: Sequence[Interval]) -> dict[str, float]:
     covered, z = sum(one.covers for one in intervals), np.array([one.z for one in intervals])
     finite = z[np.isfinite(z)]
-    spread = float(np.sqrt(np.mean(finite**2))) if finite.size else math.nan
-    return {"intervals": len(intervals), "covered": covered, **rate(covered, len(intervals)), "z_rms": spread}
+    z_rms = float(np.sqrt(np.mean(finite**2))) if finite.size else math.nan
+    return {"intervals": len(intervals), "covered": covered, **rate(covered, len(intervals)), "z_rms": z_rms}
 
 
 def plants(rows: Iterable[Row]) -> pd.DataFrame:
-    """Recovery of single effects at the middle size and up, and coverage, by plant and encoder, and of all."""
+    """Recovery of single effects of middle and large size, and coverage, by plant and encoder, and in total."""
 
-    def judged(here: Sequence[Row]) -> dict[str, float]:
+    def summary(here: Sequence[Row]) -> dict[str, float]:
         sized = [row for row in here if row.trial.factor >= SIZES["middle"] and row.trial.name in SCALES]
-        told = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
-        recovered = {f"recovery_{key}": value for key, value in rate(told, len(sized)).items()}
+        right = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
+        recovered = {f"recovery_{key}": value for key, value in rate(right, len(sized)).items()}
         covered = _covered([interval for row in here for interval in row.intervals()])
-        return {"cases": len(sized), "told": told, **recovered, **covered}
+        return {"cases": len(sized), "recovered": right, **recovered, **covered}
 
-    return _by_plant([row for row in rows if row.trial.study == "confusion"], judged)
+    return _by_plant([row for row in rows if row.trial.study == "confusion"], summary)
 
 
-def _by_plant(rows: Sequence[Row], judged: Callable[[Sequence[Row]], Mapping[str, float]]) -> pd.DataFrame:
-    """A line for each plant with each encoder, and one for all."""
+def _by_plant(rows: Sequence[Row], summary: Callable[[Sequence[Row]], Mapping[str, float]]) -> pd.DataFrame:
+    """The summary of the rows of each plant with each encoder, and of all."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.trial.plant, row.trial.encoder), []).append(row)
     lines = [
-        {"plant": plant, "encoder": encoder, **judged(groups[plant, encoder])} for plant, encoder in sorted(groups)
+        {"plant": plant, "encoder": encoder, **summary(groups[plant, encoder])} for plant, encoder in sorted(groups)
     ]
     if rows:
-        lines.append({"plant": ALL, "encoder": ALL, **judged(rows)})
+        lines.append({"plant": ALL, "encoder": ALL, **summary(rows)})
     return pd.DataFrame(lines)

@@ -1,4 +1,4 @@
-"""What the tables have to show for a diagnosis to be trusted."""
+"""Targets that the blind trials have to meet."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from benchmarks.calibration.tables import ALL
 
 @dataclass(frozen=True)
 class Target:
-    """A rate that has to lie in a range, measured often enough to mean something.
+    """A rate that has to be within a range, from a sufficient number of cases.
 
     Attributes:
-        what: in words.
+        what: description.
         allowed: lowest and highest rate [1].
-        least: how often it has to be measured.
-        cases: how often it was.
-        measured: rate, and its 95 % interval [1].
+        least: required number of cases.
+        cases: number of cases.
+        measured: rate and its 95 % interval [1].
     """
 
     what: str
@@ -31,31 +31,33 @@ class Target:
 
     @property
     def met(self) -> bool:
-        """Whether rate and number are as they have to be."""
+        """Whether rate and number of cases are as required."""
         low, high = self.allowed
         return self.cases >= self.least and low <= self.measured[0] <= high
 
 
 def targets(tables: Mapping[str, pd.DataFrame]) -> tuple[Target, ...]:
-    """All targets; one whose table is not there has been measured in no case."""
+    """All targets; one without its table has no cases."""
     recovery = tables.get("recovery", pd.DataFrame())
     middle = recovery[recovery["size"] == "middle"] if len(recovery) else recovery
     return (
-        Target("false positives where nothing is hidden", (0.0, 0.05), 200, *_total(tables.get("null"), "cases")),
-        Target("middle effects named, or declared a partner", (0.9, 1.0), 75, *_total(middle, "cases")),
-        Target("95 % intervals that hold the truth", (0.9, 0.98), 200, *_total(tables.get("coverage"), "intervals")),
+        Target("false positives without a hidden effect", (0.0, 0.05), 200, *_total(tables.get("null"), "cases")),
+        Target("middle effects found, or an indistinguishable partner", (0.9, 1.0), 75, *_total(middle, "cases")),
+        Target(
+            "95 % intervals that contain the true value", (0.9, 0.98), 200, *_total(tables.get("coverage"), "intervals")
+        ),
     )
 
 
 def _total(table: pd.DataFrame | None, count: str) -> tuple[int, tuple[float, float, float]]:
-    """Number and rate of the line over all."""
-    for line in _lines(table):
-        if line[next(iter(line))] == ALL:
-            rate, low, high = (float(line[key]) for key in ("rate", "low", "high"))
-            return int(line[count]), (rate, low, high)
+    """Number of cases and rate in the row of totals."""
+    for row in _rows(table):
+        if row[next(iter(row))] == ALL:
+            rate, low, high = (float(row[key]) for key in ("rate", "low", "high"))
+            return int(row[count]), (rate, low, high)
     return 0, (math.nan, math.nan, math.nan)
 
 
-def _lines(table: pd.DataFrame | None) -> Iterator[dict[str, float | str]]:
+def _rows(table: pd.DataFrame | None) -> Iterator[dict[str, float | str]]:
     if table is not None:
         yield from ({str(key): value for key, value in line.items()} for line in table.to_dict("records"))

@@ -43,12 +43,12 @@ def test_outcomes() -> None:
 
 
 def test_a_structure_is_right_by_what_it_depends_on_most() -> None:
-    """Ask of an unlisted structure for a curve of what it depends on most."""
+    """Count an unlisted effect as right only by a spline term with its main regressor."""
     bare = trial("confusion", "none", 0)
     gust = Row(trial=bare.__class__(**{**vars(bare), "unlisted": {"gust": {"force": 0.01}}}), source="", verdict="")
     outcomes = {
-        curve: Row(trial=gust.trial, source="", verdict="unlisted", depends_on=curve).outcome
-        for curve in ("time", "position")
+        regressor: Row(trial=gust.trial, source="", verdict="unlisted", depends_on=regressor).outcome
+        for regressor in ("time", "position")
     }
     assert outcomes == {"time": Outcome.RIGHT, "position": Outcome.OTHER}
     assert gust.outcome is Outcome.NOTHING
@@ -61,7 +61,7 @@ def test_confusion_and_recovery() -> None:
     (line,) = made["confusion_middle"].to_dict("records")
     counts = {key: value for key, value in line.items() if value and key != "acts"}
     assert line["acts"] == "viscous_damping"
-    assert counts == {"viscous_damping": 2, "quadratic_drag": 2, "several": 1, "a curve": 1, "nothing": 1}
+    assert counts == {"viscous_damping": 2, "quadratic_drag": 2, "several": 1, "spline term": 1, "nothing": 1}
     recovery = made["recovery"].set_index(["effect", "size"])
     for effect in ("viscous_damping", ALL):
         one = recovery.loc[(effect, "middle")]

@@ -50,7 +50,7 @@ def test_it_says_what_to_run_and_what_to_expect() -> None:
 def test_it_says_which_effects_would_be_seen() -> None:
     """Say of each effect of typical size whether it would be seen."""
     html = page(proposal(SEEN))
-    assert "it shows 1 of 2 (position lag at 6.9 σ)" in html
+    assert "it reveals 1 (position lag at 6.9 σ)" in html
     table = html[html.index("Expected detection of effects") :].split("</table>")[0]
     assert re.search(r"position_lag.*yes", table)
     assert re.search(r"contact_slip.*no", table)

@@ -63,7 +63,7 @@ class Servo(NamedTuple):
 
 
 class Feedback(NamedTuple):
-    """State feedback of natural frequency `hold` [rad/s], for a ball of acceleration `pull` per angle [m/s² per rad]."""
+    """State feedback: natural frequency `hold` [rad/s], acceleration of the ball per angle `pull` [m/s² per rad]."""
 
     hold: float
     pull: float
@@ -89,11 +89,11 @@ def _play(
         ahead, behind = min(k + 1, last), max(k - 1, 0)
         slope = (target[ahead] - target[behind]) / (dt * max(ahead - behind, 1))
         bend = (target[ahead] - 2.0 * target[k] + target[behind]) / dt**2 if 0 < k < last else 0.0
-        wanted = (bend + hold**2 * (target[k] - s) + 2.0 * hold * (slope - v)) / pull + push[k]
-        wanted = min(max(wanted, -limits[0]), limits[0])
-        quick = min(max(0.25 * stiffness * (wanted - turned), -limits[1]), limits[1])
-        asked = min(max(stiffness * (quick - rate), -limits[2]), limits[2])
-        after = bent + (asked - bent) * min(1.0, 2.0 * stiffness * dt)
+        angle_command = (bend + hold**2 * (target[k] - s) + 2.0 * hold * (slope - v)) / pull + push[k]
+        angle_command = min(max(angle_command, -limits[0]), limits[0])
+        rate_command = min(max(0.25 * stiffness * (angle_command - turned), -limits[1]), limits[1])
+        acceleration_command = min(max(stiffness * (rate_command - rate), -limits[2]), limits[2])
+        after = bent + (acceleration_command - bent) * min(1.0, 2.0 * stiffness * dt)
         turned += dt * rate + dt * dt * (2.0 * bent + after) / 6.0
         rate += 0.5 * dt * (bent + after)
         bent = after

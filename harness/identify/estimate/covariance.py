@@ -32,7 +32,7 @@ def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
     residuals = Residuals(problem, found.hypothesis, found.process_noise)
     reach = np.full(len(found.theta), 1e-3)
     for _ in range(_ITERATIONS):
-        slopes = residuals.chords(found.theta, reach)
+        slopes = residuals.jacobian_over(found.theta, reach)
         norms = np.sqrt(np.sum(slopes**2, axis=0))
         reach = inflation / np.maximum(norms, inflation / _LONGEST)
     return replace(found, covariance=information_inverse(problem, found.hypothesis, slopes))

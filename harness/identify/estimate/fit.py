@@ -158,7 +158,7 @@ def _least_squares(
         return np.concatenate((residuals.at(origin + z), smoothness @ (origin + z)))
 
     def slopes(z: FloatArray) -> FloatArray:
-        return np.vstack((residuals.slopes(origin + z, step), smoothness))
+        return np.vstack((residuals.jacobian(origin + z, step), smoothness))
 
     result = least_squares(
         at,

@@ -45,7 +45,7 @@ class ScreeningFit:
     covariance: FloatArray
 
     @property
-    def hoped(self) -> float:
+    def expected_deviance(self) -> float:
         """The lower of the predicted deviance and the one reached."""
         return min(self.predicted, self.deviance)
 
@@ -102,7 +102,7 @@ def _one_step(
         deviance = residuals.deviance(start)
         return ScreeningFit(start, start, deviance, residuals.process_noise, deviance, np.zeros((0, 0)))
     relative = np.clip(np.abs(start), COARSE_STEP / 10.0, COARSE_STEP)
-    slopes = residuals.slopes(start, relative if step == COARSE_STEP else np.full(len(start), step))
+    slopes = residuals.jacobian(start, relative if step == COARSE_STEP else np.full(len(start), step))
     smoothness = hypothesis.smoothness(problem)
     penalised, target = np.vstack((slopes, smoothness)), -np.concatenate((here, smoothness @ start))
     move = lsq_linear(penalised, target, bounds=(low - start, high - start), method="bvls").x

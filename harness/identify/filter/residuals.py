@@ -37,14 +37,14 @@ class Residuals:
         """Deviance."""
         return negative_two_log_likelihood(*self._predicted(theta))
 
-    def slopes(self, theta: FloatArray, step: FloatArray | float) -> FloatArray:
+    def jacobian(self, theta: FloatArray, step: FloatArray | float) -> FloatArray:
         """Jacobian of `at` by forward differences over `step`, shape (k,) or one for all; shape (readings, k)."""
         here = self.at(theta)
         inside = (theta + step <= self._highest) & (theta + step >= self._lowest)
         moves = np.diag(np.where(inside, step, -step))
         return np.column_stack([(self.at(theta + move) - here) / move.sum() for move in moves])
 
-    def chords(self, theta: FloatArray, reach: FloatArray) -> FloatArray:
+    def jacobian_over(self, theta: FloatArray, reach: FloatArray) -> FloatArray:
         """Jacobian of `at` by differences over ± `reach`, shape (k,), within the bounds; shape (readings, k)."""
         low, high = np.maximum(theta - reach, self._lowest), np.minimum(theta + reach, self._highest)
         ends = [(np.where(axis, low, theta), np.where(axis, high, theta)) for axis in np.eye(len(theta), dtype=bool)]

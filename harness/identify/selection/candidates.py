@@ -72,7 +72,7 @@ def fit_candidates(
     def predicted_decrease(screened: list[ScreeningFit]) -> float:
         """Predicted decrease of the criterion; without the penalty on parameters where much is left to explain,
         because the process noise then hides the gain."""
-        deviance = min(one.hoped for one in screened)
+        deviance = min(end.expected_deviance for end in screened)
         price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if explained else 0.0
         return (base.deviance - deviance) / settings.overdispersion - price
 
@@ -91,7 +91,7 @@ def fit_candidates(
             return unrefined(problem, _with(base, name), first)
         progress(f"fit: {' + '.join((*base.hypothesis.names, name))}")
         close = first.deviance + settings.screened_share * (base.deviance - first.deviance)
-        starts = [one.theta for one in screened[name][: settings.starts_followed] if one.deviance <= close]
+        starts = [end.theta for end in screened[name][: settings.starts_followed] if end.deviance <= close]
         return fit(problem, _with(base, name), process_noise=first.process_noise, starts=starts, rounds=1)
 
     def finish(first: Fit) -> Fit:

@@ -98,29 +98,29 @@ def fit_hash(posed: ProblemRecord, record: FitRecord) -> str:
     return digest([posed.hash, record.model_dump(mode="json")])
 
 
-def _line(one: Line, name_of: Callable[[Fit], str]) -> LedgerLine:
-    line = LedgerLine(
-        effect=one.title,
-        tried=one.effects,
-        beside=one.beside,
-        gain=one.gain,
-        kept=one.kept,
-        because=one.because,
-        rule=one.rule.value,
-        fit=name_of(one.fit),
-        against=name_of(one.against),
-        evidence=_evidence(one.evidence, name_of),
+def _line(line: Line, name_of: Callable[[Fit], str]) -> LedgerLine:
+    record = LedgerLine(
+        effect=line.title,
+        tried=line.effects,
+        beside=line.beside,
+        gain=line.gain,
+        kept=line.kept,
+        because=line.because,
+        rule=line.rule.value,
+        fit=name_of(line.fit),
+        against=name_of(line.against),
+        evidence=_evidence(line.evidence, name_of),
     )
-    return line.model_copy(update={"hash": hashed(line)})
+    return record.model_copy(update={"hash": hashed(record)})
 
 
-def _evidence(one: Evidence, name_of: Callable[[Fit], str]) -> EvidenceRecord:
+def _evidence(evidence: Evidence, name_of: Callable[[Fit], str]) -> EvidenceRecord:
     return EvidenceRecord(
-        winner=one.winner and name_of(one.winner),
-        holder=one.holder and name_of(one.holder),
-        without=tuple(map(name_of, one.without)),
-        before=one.before,
-        after=one.after,
-        tests=one.tests,
-        nested=one.nested,
+        winner=evidence.winner and name_of(evidence.winner),
+        holder=evidence.holder and name_of(evidence.holder),
+        without=tuple(map(name_of, evidence.without)),
+        before=evidence.before,
+        after=evidence.after,
+        tests=evidence.tests,
+        nested=evidence.nested,
     )

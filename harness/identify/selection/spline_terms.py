@@ -143,11 +143,11 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
 
     hypotheses = in_threads(lambda kind: begin(*kind), KINDS)
     screenings = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
-    least = problem.settings.spline_share * max(found.deviance - first.hoped for _, first in screenings)
+    least = problem.settings.spline_share * max(found.deviance - first.expected_deviance for _, first in screenings)
 
     def finish(screening: tuple[Hypothesis, ScreeningFit]) -> Fit:
         hypothesis, first = screening
-        if found.deviance - first.hoped < least:
+        if found.deviance - first.expected_deviance < least:
             return unrefined(problem, hypothesis, first)
         return fit(problem, hypothesis, process_noise=found.process_noise, starts=[first.theta])
 

@@ -76,7 +76,9 @@ def engines_running(
         engine: Engine, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | str]
     ) -> dict[str, Any]:
         return {
-            when: _errors([results[_key(engine, fit(one), recording)] for one in splits for recording in one.left])
+            when: _errors(
+                [results[_key(engine, fit(split), recording)] for split in splits for recording in split.left]
+            )
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
 

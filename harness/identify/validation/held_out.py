@@ -117,17 +117,17 @@ def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = sile
 def on_held_out(parts: Sequence[HeldOut]) -> BeforeAfter:
     """Errors on held-out recordings, averaged over the folds."""
     return BeforeAfter(
-        _mean([errors(one.problem, one.base, one.left) for one in parts]),
-        _mean([errors(one.problem, one.found, one.left) for one in parts]),
+        _mean([errors(part.problem, part.base, part.left) for part in parts]),
+        _mean([errors(part.problem, part.found, part.left) for part in parts]),
     )
 
 
-def _mean(each: Sequence[Errors]) -> Errors:
-    names = dict.fromkeys(name for one in each for name in one.rms)
-    rms = {name: float(np.sqrt(np.mean([one.rms[name] ** 2 for one in each if name in one.rms]))) for name in names}
+def _mean(parts: Sequence[Errors]) -> Errors:
+    names = dict.fromkeys(name for part in parts for name in part.rms)
+    rms = {name: float(np.sqrt(np.mean([part.rms[name] ** 2 for part in parts if name in part.rms]))) for name in names}
     return Errors(
         rms,
-        float(np.mean([e.whiteness for e in each])),
-        float(np.sqrt(np.mean([e.ratio**2 for e in each]))),
-        joined(e.beam for e in each),
+        float(np.mean([part.whiteness for part in parts])),
+        float(np.sqrt(np.mean([part.ratio**2 for part in parts]))),
+        joined(part.beam for part in parts),
     )

@@ -220,15 +220,15 @@ def test_the_sentence_says_what_to_do(proposal: Proposal) -> None:
     """Name both, the profile and the σ; say how often to repeat it, that it is in vain, or that it is not needed."""
     enough = told(proposal, Separation("a", "b", 0.8, 7.4, 2.4))
     assert enough == (
-        f"To tell a from b, run the profile “{proposal.profile.name}”: expected separation 7.4 σ "
+        f"To distinguish a from b, run the profile “{proposal.profile.name}”: expected separation 7.4 σ "
         "(0.8 σ on the data at hand)."
     )
     thrice = Separation("a", "b", 0.0, 1.5, 2.4)  # 3 · 1.5² > 2.4² > 2 · 1.5²
-    assert "To reach the 2.4 σ that tell them apart, run it 3 times." in told(proposal, thrice)
+    assert "To reach the 2.4 σ that distinguish them, run it 3 times." in told(proposal, thrice)
     vain = Separation("a", "b", 0.0, 0.1, 2.4)
     assert vain.runs > MOST_RUNS
-    assert "no move within what this rig has shown tells them apart" in told(proposal, vain)
-    assert "The recordings tell a from its nearest rival, b, by 9.0 σ" in told(
+    assert "no motion within the operating envelope distinguishes them" in told(proposal, vain)
+    assert "The recordings distinguish a from its nearest rival, b, by 9.0 σ" in told(
         proposal, Separation("a", "b", 9.0, 11.0, 2.4)
     )
-    assert "it shows 1 of 1 (lag at 7.0 σ)" in told(proposal, Separation("lag", NOTHING, 0.0, 7.0, 3.7))
+    assert "it reveals 1 (lag at 7.0 σ)" in told(proposal, Separation("lag", NOTHING, 0.0, 7.0, 3.7))

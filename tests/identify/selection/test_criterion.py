@@ -180,17 +180,17 @@ def test_at_its_threshold_a_spline_term_explains_nothing() -> None:
 @pytest.mark.parametrize(
     ("rule", "gain", "said"),
     [
-        (Rule.DROP, 7.0, "still pays beside the others"),
-        (Rule.DROP, 5.0, "no longer pays beside the others"),
-        (Rule.MERGE, 2.0, "the one explains more than the two"),
-        (Rule.MERGE, 0.5, "the one explains as much as the two"),
-        (Rule.MERGE, -0.5, "the one explains as much as the two"),
-        (Rule.MERGE, -2.0, "the one explains less than the two"),
-        (Rule.SPLIT, 2.0, "the two explain more than the one"),
-        (Rule.SPLIT, 0.5, "the two explain no more than the one"),
+        (Rule.DROP, 7.0, "lowers the quasi-BIC by 7.0 beside the others"),
+        (Rule.DROP, 5.0, "is no longer needed beside the others"),
+        (Rule.MERGE, 2.0, "the one effect fits better than the pair"),
+        (Rule.MERGE, 0.5, "the one effect fits as well as the pair"),
+        (Rule.MERGE, -0.5, "the one effect fits as well as the pair"),
+        (Rule.MERGE, -2.0, "the one effect fits worse than the pair"),
+        (Rule.SPLIT, 2.0, "the pair fits better than the one effect"),
+        (Rule.SPLIT, 0.5, "the pair fits no better than the one effect"),
         (Rule.ADD, 7.0, "lowers the quasi-BIC by 7.0"),
-        (Rule.ADD, 0.5, "lowers the quasi-BIC by 0.5, which may be chance"),
-        (Rule.ADD, -0.5, "does not pay for its parameters"),
+        (Rule.ADD, 0.5, "lowers the quasi-BIC by 0.5, too little"),
+        (Rule.ADD, -0.5, "does not lower the quasi-BIC"),
     ],
 )
 def test_a_decision_gives_its_reason(rule: Rule, gain: float, said: str) -> None:
@@ -201,25 +201,25 @@ def test_a_decision_gives_its_reason(rule: Rule, gain: float, said: str) -> None
 def test_what_gains_nothing_at_all_does_not_pay() -> None:
     """Say so of a candidate that leaves the criterion exactly as it is, alone or in the place of an effect."""
     idle, without, holder = made(100.0, "level_error", parameters=0), made(100.0), made(50.0, "track_bump")
-    assert C.decide(Rule.ADD, idle, without).because == "does not pay for its parameters"
+    assert C.decide(Rule.ADD, idle, without).because == "does not lower the quasi-BIC"
     swap = C.decide(Rule.SWAP, idle, without, Evidence(winner=idle, holder=holder))
-    assert swap.because == "does not pay for its parameters"
+    assert swap.because == "does not lower the quasi-BIC"
 
 
 def test_a_pair_of_which_one_is_idle_is_told_from_one_that_explains_no_more() -> None:
-    """Say that one of the two does not pay."""
+    """Say that one of the two is not needed."""
     pair, one = made(90.0, "rolling_resistance", "level_error"), made(100.0, "directional_resistance")
     decision = C.decide(Rule.SPLIT, pair, one, Evidence(without=(made(91.0, "level_error"),)))
-    assert decision.because == "the two explain more, but one of them does not pay"
+    assert decision.because == "the pair fits better, but one of its effects is not needed"
 
 
 @pytest.mark.parametrize(
     ("score", "said"),
     [
         (40.0, "lowers the quasi-BIC by 60.0"),
-        (50.5, "lowers the quasi-BIC by 49.5, 0.5 less than the effect in whose place it was tried"),
-        (99.5, "lowers the quasi-BIC by 0.5, 49.5 less than the effect in whose place it was tried"),
-        (100.5, "does not pay for its parameters"),
+        (50.5, "lowers the quasi-BIC by 49.5, 0.5 less than the effect that it would replace"),
+        (99.5, "lowers the quasi-BIC by 0.5, 49.5 less than the effect that it would replace"),
+        (100.5, "does not lower the quasi-BIC"),
     ],
 )
 def test_a_swap_is_told_by_what_it_gains_and_by_what_it_would_replace(score: float, said: str) -> None:
@@ -253,7 +253,7 @@ def test_a_spline_term_is_told_by_its_gain_and_what_recurs(gain: float, after: t
     assert C.decide(Rule.SPLINE, spline, without, evidence).because == said
 
 
-@pytest.mark.parametrize(("gain", "said"), [(7.0, "pays beside the spline term"), (5.0, "does not pay beside")])
+@pytest.mark.parametrize(("gain", "said"), [(7.0, "is needed beside the spline term"), (5.0, "is not needed beside")])
 def test_an_effect_beside_a_spline_term_is_told_whether_it_pays(gain: float, said: str) -> None:
     """Say of an effect that the spline term does not contain whether it pays."""
     spline, without = with_gain(50.0)
@@ -312,7 +312,7 @@ def test_an_extension_is_sure_and_best(factor: float, sure: bool) -> None:
     first = Evidence(winner=tried if sure else None, before=WINDOWS, after=after, tests=17)
     decision = C.decide(Rule.EXTEND, tried, base, first)
     assert decision.kept is sure
-    assert ("which may be chance" in decision.because) is not sure
+    assert ("not significant" in decision.because) is not sure
     second = Evidence(winner=made(80.0, "track_bump"), before=WINDOWS, after=after, tests=17)
     assert not C.decide(Rule.EXTEND, tried, base, second).kept
 
