@@ -18,7 +18,7 @@ QUANTITY = "rolling_radius"
 QUANTITY_OF_THE_RIG = {
     "analytic/rig.py",
     "harness/engines/watch.py",
-    "harness/preparation/rig_completion.py",
+    "harness/identify/rig_completion.py",
     "harness/recording/known_rig.py",
     "harness/report/comparison/inputs.py",
     "harness/report/diagnosis/inputs.py",

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter.residuals import Residuals
@@ -29,6 +30,11 @@ def with_interval_covariance(problem: Problem, one: Fit) -> Fit:
     """
     if not len(one.theta):
         return one
+    return replace(one, covariance=information_inverse(problem, one.hypothesis, interval_slopes(problem, one)))
+
+
+def interval_slopes(problem: Problem, one: Fit) -> FloatArray:
+    """Those differences of the normalised innovations per scaled parameter, shape (readings, k)."""
     inflation = math.sqrt(problem.settings.overdispersion)
     residuals = Residuals(problem, one.hypothesis, one.process_noise)
     reach = np.full(len(one.theta), 1e-3)
@@ -36,4 +42,4 @@ def with_interval_covariance(problem: Problem, one: Fit) -> Fit:
         slopes = residuals.chords(one.theta, reach)
         steepness = np.sqrt(np.sum(slopes**2, axis=0))
         reach = inflation / np.maximum(steepness, inflation / _LONGEST)
-    return replace(one, covariance=information_inverse(problem, one.hypothesis, slopes))
+    return slopes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from harness.formatting import length, number, plus_minus
-from harness.preparation.rig_estimate import Estimate
+from harness.identify.rig_completion import Estimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table
