@@ -14,11 +14,11 @@ from analytic.rig import Rig
 from analytic.slots import ORIGIN
 from harness.comparison.horizons import Horizon, horizons
 from harness.errors import InputError
+from harness.identify.estimate.rig import FittedRig
+from harness.identify.rig_completion import Estimate, complete_rig
 from harness.metrics import TOLERANCE
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
-from harness.preparation.rig_completion import complete_rig
-from harness.preparation.rig_estimate import Estimate, Fitted
 from harness.recording import Case, Recording
 from harness.signals.ball_state import BallEstimate
 from harness.signals.drive import Drive
@@ -69,7 +69,7 @@ class Setting:
     recording: Recording
     choices: Choices
     rig: Rig
-    fitted: Fitted | None
+    fitted: FittedRig | None
     estimates: tuple[Estimate, ...]
     acting: tuple[Acting, ...]
     drive: Drive

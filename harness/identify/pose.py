@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
-from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.problem import Problem
+from harness.identify.rig_completion import complete_rig, missing
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
-from harness.preparation.rig_completion import complete_rig, missing
 from harness.recording import Case, KnownRig
 
 _STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level")  # of an incompletely known rig
@@ -32,8 +30,7 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
     declared = declared_effects(case)
     rig = complete_rig(case, case.recordings[names[0]]).rig
     every = [observe(case.recordings[name], case.sensors, rig) for name in names]
-    variance = float(np.mean([one.noise**2 for one in every]))
-    return Problem(tuple(map(PreparedRecording.of, every)), rig, declared, variance, unknown=unknown_effects(case.rig))
+    return Problem.of(every, rig, declared, unknown_effects(case.rig))
 
 
 def unknown_effects(known: KnownRig) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ QUANTITY_OF_THE_RIG = {
     "analytic/rig.py",
     "harness/api/case.py",
     "harness/engines/watch.py",
-    "harness/preparation/rig_completion.py",
+    "harness/identify/rig_completion.py",
     "harness/recording/known_rig.py",
     "harness/report/comparison/inputs.py",
     "harness/report/diagnosis/inputs.py",

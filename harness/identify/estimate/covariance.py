@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter.residuals import Residuals
@@ -28,11 +29,18 @@ def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
     """
     if not len(found.theta):
         return found
+    jacobian = interval_jacobian(problem, found)
+    return replace(found, covariance=information_inverse(problem, found.hypothesis, jacobian))
+
+
+def interval_jacobian(problem: Problem, found: Fit) -> FloatArray:
+    """Differences of the normalised innovations over ± one inflated standard deviation per scaled parameter, shape
+    (readings, k)."""
     inflation = math.sqrt(problem.settings.overdispersion)
     residuals = Residuals(problem, found.hypothesis, found.process_noise)
     reach = np.full(len(found.theta), 1e-3)
     for _ in range(_ITERATIONS):
-        slopes = residuals.jacobian_over(found.theta, reach)
-        norms = np.sqrt(np.sum(slopes**2, axis=0))
+        jacobian = residuals.jacobian_over(found.theta, reach)
+        norms = np.sqrt(np.sum(jacobian**2, axis=0))
         reach = inflation / np.maximum(norms, inflation / _LONGEST)
-    return replace(found, covariance=information_inverse(problem, found.hypothesis, slopes))
+    return jacobian

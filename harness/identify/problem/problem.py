@@ -97,6 +97,14 @@ class Problem:
     unknown: tuple[str, ...] = ()
     settings: Settings = DEFAULT
 
+    @classmethod
+    def of(
+        cls, observed: Sequence[Observed], rig: Rig, declared: tuple[Acting, ...], unknown: tuple[str, ...] = ()
+    ) -> Problem:
+        """From prepared recordings, whose variances of a reading are averaged."""
+        variance = float(np.mean([one.noise**2 for one in observed]))
+        return cls(tuple(map(PreparedRecording.of, observed)), rig, declared, variance, unknown=unknown)
+
     @property
     def readings(self) -> int:
         """Number of readings n."""

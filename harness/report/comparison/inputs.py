@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from harness.formatting import NONE, brief, length, number, plus_minus
-from harness.preparation.rig_estimate import Estimate
+from harness.identify.rig_completion import Estimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Table, texts

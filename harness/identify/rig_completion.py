@@ -12,11 +12,12 @@ from typing import Literal
 
 from analytic.rig import SOLID_SPHERE, Rig, RigError
 from harness.errors import InputError
+from harness.identify.estimate.rig import FittedRig, fit_rig
+from harness.identify.problem.problem import Problem
+from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import MIN_POSITIONS, observe
-from harness.preparation.rig_estimate import Estimate, Fitted, fit_unknown
 from harness.recording import Case, KnownRig, Recording
 
-_MAX_LEVER_STD = 0.02  # largest standard error of an estimated lever that is used [m]
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
 _RADIUS_RATIO_RANGE = (0.3, 0.995)  # of r/R: below, the ball sinks into the groove; above, it is not held
 _LABELS = {"mass": ("mass m", "kg"), "radius": ("ball radius R", "m"), "gravity": ("gravity g", "m/s²")}
@@ -47,6 +48,17 @@ def rough_rig(known: KnownRig) -> Rig:
 
 
 @dataclass(frozen=True)
+class Estimate:
+    """One estimated quantity: value and standard error in `unit` (infinite if assumed), and the method."""
+
+    name: str
+    value: float
+    std: float
+    unit: str
+    how: str
+
+
+@dataclass(frozen=True)
 class CompletedRig:
     """A complete rig.
 
@@ -57,7 +69,7 @@ class CompletedRig:
     """
 
     rig: Rig
-    fitted: Fitted | None
+    fitted: FittedRig | None
     estimates: tuple[Estimate, ...]
 
 
@@ -70,7 +82,8 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
         level_angle: α₀ [rad]; "estimate"; `None` for that of rig.toml, or 0 if it has none and the rig is known.
 
     Raises:
-        InputError: the level angle is impossible, `first` has no positions, or the estimated K is implausibly small.
+        InputError: the level angle is impossible, `first` has no positions, a declared effect is not in the catalogue,
+            or the estimated K is implausibly small.
     """
     known, rough, wanted = case.rig, rough_rig(case.rig), missing(case.rig)
     level = level_angle == "estimate" or (level_angle is None and known.level_angle is None and bool(wanted))
@@ -88,27 +101,24 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
         return CompletedRig(rough, None, assumed)
     others = (case.recordings[name] for name in case.identify if name != first.name)
     used = (first, *(one for one in others if int(one.known.sum()) >= MIN_POSITIONS))
-    records = [observe(one, case.sensors, rough) for one in used]
+    problem = Problem.of([observe(one, case.sensors, rough) for one in used], rough, declared_effects(case))
     ratio, lever = "ratio" in wanted, "lever" in wanted
-    fitted = fit_unknown(records, rough, ratio=ratio, level=level, lever=lever)
+    fitted = fit_rig(problem, ratio=ratio, level=level, lever=lever)
     if fitted.ratio < _MIN_ROLLING_RATIO:
         raise InputError(
             f"the recordings show a ball that does not roll down the recorded angle (K = {fitted.ratio:.2f} ± "
             f"{fitted.std[0]:.2f}, where 0.3 to 0.72 is usual); check units and signs: α > 0 must lower the +s end"
         )
-    shown = lever and fitted.std[2] <= _MAX_LEVER_STD
-    if lever and not shown:
-        fitted = fit_unknown(records, rough, ratio=ratio, level=level, lever=False)
-    count = "one recording" if len(records) == 1 else f"{len(records)} recordings"
-    friction = f"together with a rolling friction f = {fitted.friction:.2g} ± {fitted.friction_std:.1g}"
-    how = f"generalised least squares on {count}, {friction}"
+    count = "one recording" if len(used) == 1 else f"{len(used)} recordings"
+    friction = f"together with a rolling friction f = {round(fitted.friction, 6):.2g} ± {fitted.friction_std:.1g}"
+    how = f"least squares on the innovations of {count}, {friction}"
     estimates: list[Estimate] = []
     rig = rough.with_(level_angle=fitted.level)
     if ratio:
         estimates.append(Estimate("rolling ratio K", fitted.ratio, fitted.std[0], "1", how))
         rig, chosen = rig_of_ratio(known, rig, fitted.ratio)
         estimates.append(chosen)
-    if shown:
+    if fitted.std[2]:
         eccentricity = fitted.lever - rig.rolling_radius - rig.inertia / (rig.mass * rig.rolling_radius)
         rig = rig.with_(eccentricity=eccentricity)
         estimates.append(Estimate("eccentricity h", eccentricity, fitted.std[2], "m", how))

@@ -10,7 +10,7 @@ from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of
-from harness.preparation.rig_completion import missing, rig_of_ratio, rough_rig
+from harness.identify.rig_completion import missing, rig_of_ratio, rough_rig
 from harness.recording import KnownRig
 from tests.motions import Sines
 
