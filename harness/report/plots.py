@@ -1,7 +1,5 @@
 """Figures for a report: common style, helpers for lines and axes, conversion to embedded SVG."""
 
-from __future__ import annotations
-
 import base64
 import io
 from collections.abc import Iterable, Iterator, Sequence
