@@ -9,8 +9,7 @@ from harness.formatting import listed
 
 MEASURED_COLOUR = "#111111"
 UNCERTAINTY_COLOUR = "#9aa3ad"
-GRID_COLOUR = "#e3e6ea"
-INK = "#1c2733"
+INK = "#1c2733"  # as in report.mplstyle
 
 
 @dataclass(frozen=True)
