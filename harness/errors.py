@@ -1,7 +1,5 @@
 """Errors for the user; each message names fault, place and remedy."""
 
-from __future__ import annotations
-
 
 class HarnessError(Exception):
     """Base of all errors meant for the user; `exit_code` is what the command returns."""

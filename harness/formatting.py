@@ -1,7 +1,5 @@
 """Formats numbers for reports: significant digits, minus signs, suitable length units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from decimal import Decimal
@@ -87,6 +85,11 @@ def measured(value: float, half_width: float) -> str:
     decimals = (1 if float(first) <= 3.54 else 0) - int(power)
     kept = max(decimals, 0)
     return f"{fixed(round(value, decimals), kept)} ± {fixed(float(round(Decimal(three), decimals)), kept)}"
+
+
+def listed(parts: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return " and ".join(part for part in (", ".join(parts[:-1]), *parts[-1:]) if part)
 
 
 def percent(share: float) -> str:

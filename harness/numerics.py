@@ -1,7 +1,5 @@
 """Small numerical helpers that several packages share."""
 
-from __future__ import annotations
-
 from typing import overload
 
 import numpy as np

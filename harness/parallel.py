@@ -6,8 +6,6 @@ that the user added to the catalogue. Forking is unsafe in programs whose thread
 default everywhere is a single process.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import signal
 import sys

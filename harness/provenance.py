@@ -1,7 +1,5 @@
 """What produced a result: a digest of all installed code of this product, and the versions of the software under it."""
 
-from __future__ import annotations
-
 import ast
 import hashlib
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """diagnosis.json from what a diagnosis found."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from harness.identify.design import proposal

@@ -1,7 +1,5 @@
 """A case that shows itself: its recordings, what is known of the rig, findings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

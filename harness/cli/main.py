@@ -1,7 +1,5 @@
 """Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 an engine failed."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """`harness run`: compare every model and engine with one recording, write a report."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

@@ -5,8 +5,6 @@ one of four, f_b fitted). α₀ and f_b are fitted separately for each combinati
 paper: combinations are compared at their best fit.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

@@ -10,8 +10,6 @@ uncertainty in computational fluid dynamics", Annu. Rev. Fluid Mech. 29, 1997), 
 which depends on the engine and its contact settings.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Horizons: the whole recording as one free run, or windows of a few seconds with a restart at each."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Runs every model and engine with one drive, on every horizon."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The complete comparison of one recording, the input of report, tables and tolerance checks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

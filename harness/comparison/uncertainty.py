@@ -5,8 +5,6 @@ through CAM. The RMS deviation from the run with the best estimates is the input
 sensor noise is added (u_D).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from analytic.effects import motion_with

@@ -1,7 +1,5 @@
 """What the choice of windows does to an RMS error: its standard error, and how sure a reduction of it is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 A field's name ends in its unit; dimensionless ones have none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum

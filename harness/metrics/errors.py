@@ -8,8 +8,6 @@ model; |E| of about u_val is explained by the uncertainties of numerics, inputs 
 data (position sensor).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -12,8 +12,6 @@ The published package objective-rating-metrics is the reference in the tests but
 rating of 1,600 samples (here 0.01 s) and 5 s to import, fails below 11 samples, and rates constant measurements.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

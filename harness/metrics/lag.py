@@ -1,7 +1,5 @@
 """Time lag of the model, the shift of highest correlation with the measurement."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar

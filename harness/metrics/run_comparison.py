@@ -1,7 +1,5 @@
 """One model run and the measurement on common time stamps: the input of every metric."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Computes all metrics of one source on one horizon."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

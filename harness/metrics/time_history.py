@@ -1,7 +1,5 @@
 """Integral time-history metrics: the paper's E_disp and E_vel, and those of Sprague and Geers."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

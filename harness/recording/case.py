@@ -1,7 +1,5 @@
 """A case: a folder with `rig.toml` and recordings, or one recording of the paper's rig."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Maps CSV columns to quantities: column names, aliases, units and conversion to SI."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Warnings and notes on input that was read successfully."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """The quantities of rig and sensors that the rig file gives; all others are unknown (`None`)."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, fields
 
 from analytic.rig import Rig, RigError

@@ -1,7 +1,5 @@
 """Detection of spikes in a position signal: samples or short bursts that a rolling ball cannot produce."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -4,8 +4,6 @@ The main check uses physics (see `tilt_response`): the ball's acceleration is pr
 factor, so a wrong unit shows as a wrong factor. Plain magnitudes are checked only if this regression is inconclusive.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """One recording: validated arrays read from one CSV file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

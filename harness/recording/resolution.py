@@ -1,7 +1,5 @@
 """Infers a sensor's resolution (quantisation step) from its readings."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reads `rig.toml`: schema, validation with remedies, conversion to `KnownRig`, `Sensors` and `Declared`."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path

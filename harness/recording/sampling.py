@@ -1,7 +1,5 @@
 """Checks of the time axis (order, duplicates, gaps, jitter) and interpolation over short dropouts of the angle."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Reads a text file: SHA-256 of its bytes, decoding, normalised line ends."""
 
-from __future__ import annotations
-
 import codecs
 import hashlib
 from dataclasses import dataclass

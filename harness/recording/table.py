@@ -1,7 +1,5 @@
 """Splits CSV text into cells with their row numbers, counted from 1 as in an editor, and converts them to numbers."""
 
-from __future__ import annotations
-
 import csv
 import re
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ term in α̈ with a possibly unknown lever: ∫ α φ̈ dt is partialled out of 
 K = 1/(1 + J/(m r²)), 0.4 to 0.8 for solid balls; wrong units and signs show as factors.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Effects of a user's own: a Python file read, checked, and set beside the catalogue while a command lasts."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math

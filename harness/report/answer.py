@@ -1,7 +1,5 @@
 """The conclusions of the comparison report in words: closest model, uncertainty, engines, headline horizon."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -179,7 +177,7 @@ def _engines(facts: Facts) -> str:
         worst = max(one.departure for one in near)
         verb = "agree" if len(near) > 1 else "agrees"
         said.append(
-            f"{names([one.source for one in near])} {verb} with {label_of(CAM.name)} within {length(worst, 2)}, so "
+            f"{names(one.source for one in near)} {verb} with {label_of(CAM.name)} within {length(worst, 2)}, so "
             "step size and contact model do not contribute to the error"
         )
     for one in sound:

@@ -1,7 +1,5 @@
 """Renders a report page from sections, with table of contents and embedded style; no external resources."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

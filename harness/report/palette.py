@@ -1,16 +1,15 @@
 """Name, colour and line style of each source in all reports; dashes distinguish sources without colour vision."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from harness.formatting import listed
+
 MEASURED_COLOUR = "#111111"
 UNCERTAINTY_COLOUR = "#9aa3ad"
-GRID_COLOUR = "#e3e6ea"
-INK = "#1c2733"
+INK = "#1c2733"  # as in report.mplstyle
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,6 @@ def swatch(source: str) -> Markup:
     return Markup('<span class="swatch" style="--colour:{}"></span>{}').format(look.colour, look.label)
 
 
-def names(sources: list[str] | tuple[str, ...]) -> str:
+def names(sources: Iterable[str]) -> str:
     """`CAM, MuJoCo and PyBullet`."""
-    labels = [label_of(source) for source in sources]
-    return labels[0] if len(labels) == 1 else f"{', '.join(labels[:-1])} and {labels[-1]}"
+    return listed([label_of(source) for source in sources])

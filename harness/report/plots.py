@@ -1,57 +1,32 @@
 """Figures for a report: common style, helpers for lines and axes, conversion to embedded SVG."""
 
-from __future__ import annotations
-
 import base64
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.style import context
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.formatting import brief
-from harness.report.palette import GRID_COLOUR, INK, UNCERTAINTY_COLOUR, Look
+from harness.report.palette import INK, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
 _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
 
-STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "mathtext.fontset": "dejavusans",
-    "axes.edgecolor": "#8a94a0",
-    "axes.labelcolor": INK,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": GRID_COLOUR,
-    "grid.linewidth": 0.7,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "text.color": INK,
-    "xtick.color": "#4c5967",
-    "ytick.color": "#4c5967",
-    "lines.solid_capstyle": "round",
-    "svg.fonttype": "path",
-    "svg.hashsalt": "harness",  # makes the SVG reproducible
-    "axes.unicode_minus": True,
-}
+style = partial(context, Path(__file__).with_name("report.mplstyle"))
+"""The common Matplotlib style, as a context or as a decorator."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +45,6 @@ class Picture:
     caption: str | Markup
     width: int
     height: int
-
-
-@contextmanager
-def style() -> Iterator[None]:
-    """The common Matplotlib style, as a context or as a decorator."""
-    with mpl.rc_context(STYLE):
-        yield
 
 
 def picture(figure: Figure, alt: str, caption: str | Markup) -> Picture:

@@ -1,7 +1,5 @@
 """Ranks sources by RMS error and tests whether each is significantly worse than the best."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Tables as data, and a result in short made of them: for a report, an interpreter and a notebook."""
 
-from __future__ import annotations
-
 import io
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence

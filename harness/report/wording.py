@@ -1,14 +1,12 @@
 """The verdict of a diagnosis as one sentence."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from analytic.effects import CATALOGUE, Parameter
 from analytic.rig import Rig
-from harness.formatting import measured, number
+from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.selection.criterion import Criterion
@@ -85,7 +83,7 @@ def _explained(diagnosis: Diagnosis) -> bool:
 
 
 def _found(diagnosis: Diagnosis) -> str:
-    return _and([phrase(one, diagnosis.problem.rig) + _or(one) for one in diagnosis.effects])
+    return listed([phrase(one, diagnosis.problem.rig) + _or(one) for one in diagnosis.effects])
 
 
 def _or(finding: IdentifiedEffect) -> str:
@@ -93,14 +91,9 @@ def _or(finding: IdentifiedEffect) -> str:
     return f" (indistinguishable from {' or '.join(rivals)})" if rivals else ""
 
 
-def _and(parts: Sequence[str]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    return " and ".join(part for part in (", ".join(parts[:-1]), parts[-1]) if part)
-
-
 def _some(names: Sequence[str]) -> str:
-    listed = [words(name) for name in names[:_MAX_NAMES]]
-    return _and(listed if len(names) <= _MAX_NAMES else [*listed, f"{len(names) - _MAX_NAMES} more"])
+    more = [f"{len(names) - _MAX_NAMES} more"] if len(names) > _MAX_NAMES else []
+    return listed([*map(words, names[:_MAX_NAMES]), *more])
 
 
 def _curve(diagnosis: Diagnosis) -> str:

@@ -1,7 +1,5 @@
 """Compares a study with limits: value and margin of each, also as a plain-text table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

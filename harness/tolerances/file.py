@@ -18,8 +18,6 @@
 Metrics against the measurement are those of metrics.csv, by name or alias; limits are in the metric's unit.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

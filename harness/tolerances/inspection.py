@@ -3,8 +3,6 @@
 `inspect` reads and validates all input; `Inspection.checks` then runs models and engines once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The report of `harness run`: all models and engines on one recording; one module per concept."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 from harness.comparison.study import Study

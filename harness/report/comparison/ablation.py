@@ -1,7 +1,5 @@
 """Ablation section: all combinations of radius, α̈ term, level angle and friction law, each fitted."""
 
-from __future__ import annotations
-
 import math
 
 from markupsafe import Markup

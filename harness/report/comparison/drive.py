@@ -1,7 +1,5 @@
 """Section on the drive: sensor model of the recorded angle, and the smoothed α, α̇, α̈ used by every source."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sections on the engines: their errors split into step size, contact model and missing physics; health, settings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

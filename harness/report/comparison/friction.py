@@ -1,7 +1,5 @@
 """Section on the readings of the paper's friction law: dimensional consistency and dissipation."""
 
-from __future__ import annotations
-
 import numpy as np
 from markupsafe import Markup
 

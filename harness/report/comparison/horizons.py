@@ -1,7 +1,5 @@
 """Section on errors by horizon, compared with u_val and a stationary ball."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -98,4 +96,5 @@ def _table(subject: Subject) -> Table:
         "stationary ball": [still_error(study, one) for one in horizons],
     }
     rows += [Row((name, *(number(1e3 * one) for one in errors)), "reference") for name, errors in references.items()]
-    return Table(f"RMS error of the ball's position against the {subject.recording}, ± standard error", columns, rows)
+    what = "simulated recording" if subject.simulated else "measurement"
+    return Table(f"RMS error of the ball's position against the {what}, ± standard error", columns, rows)

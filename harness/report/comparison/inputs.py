@@ -1,7 +1,5 @@
 """Sections on the inputs (rig, sensors, declared effects, findings) and on how to reproduce the report."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

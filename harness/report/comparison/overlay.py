@@ -1,7 +1,5 @@
 """Figure of the recording and all sources over time."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Section on the paper: its Table 2 next to this recording, and tests of its three claims."""
 
-from __future__ import annotations
-
 from analytic.models import FRICTION
 from harness.comparison.horizons import Horizon
 from harness.comparison.paper import TABLE_2, Verdict

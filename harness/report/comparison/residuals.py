@@ -1,7 +1,5 @@
 """Section on residuals: position errors over time and against s, ṡ, α, and the residual acceleration of CAM."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

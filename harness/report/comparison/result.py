@@ -1,7 +1,5 @@
 """First section: conclusions in words, one figure, one table."""
 
-from __future__ import annotations
-
 import math
 
 from harness.formatting import aligned, brief, fixed, plus_minus

@@ -1,7 +1,5 @@
 """Sections of numbers: tolerance checks with value and margin, and all metrics of all sources."""
 
-from __future__ import annotations
-
 from markupsafe import Markup
 
 from harness.comparison.horizons import Horizon

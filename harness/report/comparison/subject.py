@@ -1,7 +1,5 @@
 """The data common to all sections of the comparison report."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -43,11 +41,6 @@ class Subject:
     def measured(self) -> str:
         """Adjective for the recording: `measured` or `simulated`."""
         return "simulated" if self.simulated else "measured"
-
-    @property
-    def recording(self) -> str:
-        """`measurement` or `simulated recording`."""
-        return "simulated recording" if self.simulated else "measurement"
 
     @cached_property
     def ranked(self) -> list[Standing]:

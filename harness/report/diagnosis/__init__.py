@@ -1,7 +1,5 @@
 """The report of `harness diagnose`: missing physics of the model. Each section is a module listed in `SECTIONS`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

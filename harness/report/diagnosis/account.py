@@ -1,7 +1,5 @@
 """The data common to all sections of the diagnosis report."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -69,9 +67,3 @@ class Account:
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
         return observe(self.case.recordings[record.name], self.case.sensors, self.diagnosis.problem.rig).ball
-
-    @cached_property
-    def force(self) -> float:
-        """Effective mass m (1 + J/(m r²)), force per acceleration [N per m/s²]."""
-        rig = self.diagnosis.problem.rig
-        return rig.mass / rig.rolling_ratio

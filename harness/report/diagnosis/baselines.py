@@ -1,7 +1,5 @@
 """Baselines: whether the model predicts better than models that know no physics of a rolling ball."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

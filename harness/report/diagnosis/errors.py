@@ -1,7 +1,5 @@
 """Section on errors by horizon without and with the effects found, for CAM and engines, and on innovations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any

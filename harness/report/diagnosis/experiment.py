@@ -1,7 +1,5 @@
 """Section on the proposed next experiment: beam motion, expected discrimination, assumed limits of the rig."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from harness.formatting import brief, fixed, length

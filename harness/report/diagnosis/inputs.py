@@ -1,7 +1,5 @@
 """Section on the inputs: recordings, rig, reading noise, declared effects, findings, and the command."""
 
-from __future__ import annotations
-
 import math
 
 from harness.formatting import length, number

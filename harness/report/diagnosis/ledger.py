@@ -1,7 +1,5 @@
 """Sections on what was fitted: rivals in place of each effect found, and the ledger of all hypotheses in order."""
 
-from __future__ import annotations
-
 from harness.formatting import fixed
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line

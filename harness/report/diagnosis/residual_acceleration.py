@@ -1,7 +1,5 @@
 """Section on the residual acceleration of the declared model, compared with the effects found."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -45,7 +43,8 @@ def _legend(figure: Figure, account: Account) -> None:
 
 
 def _in_newtons(axes: Axes, account: Account) -> None:
-    factor = 1e3 * account.force
+    rig = account.diagnosis.problem.rig
+    factor = 1e3 * rig.mass / rig.rolling_ratio  # effective mass m (1 + J/(m r²)), in mN per m/s²
     right = axes.secondary_yaxis(
         "right",
         functions=(lambda acceleration: factor * np.asarray(acceleration), lambda force: np.asarray(force) / factor),

@@ -1,7 +1,5 @@
 """Section on the spline term: the estimated law of an unlisted effect."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """First section: the verdict in a sentence, the effects found, and predictions without and with them."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 
 import numpy as np
