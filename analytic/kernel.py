@@ -138,9 +138,7 @@ def integrate(
         raise ValueError(f"tables have shape {tables.shape}; the grid asks for (…, {2 * len(grid.steps) + 1}, 3)")
     laws, rest = divmod(parameters.shape[1] - slots.SLOTS, slots.LAW_SLOTS)
     if laws < 0 or rest or starts.shape[1] != 2 or not len(table_of) == len(first) == len(last) == count:
-        raise ValueError(
-            f"{count} runs need as many starts (s, ṡ), motions, windows and {slots.SLOTS} parameters"
-        )
+        raise ValueError(f"{count} runs need as many starts (s, ṡ), motions, windows and {slots.SLOTS} parameters")
     if np.any((table_of < 0) | (table_of >= len(tables))):
         raise ValueError(f"table_of must lie within 0 … {len(tables) - 1}")
     if np.any((first < 0) | (first > last) | (last >= len(grid.time))):
