@@ -70,10 +70,15 @@ test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a proces
 test-slow: $(INSTALLED) ## the tests that take minutes
 	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
 
+.PHONY: mutants
+mutants: $(INSTALLED) ## change the code here and there and list what no test notices (hours; ARGS="--sample 40" takes one)
+	nice $(BIN)/python -m tests.mutation $(ARGS)
+
 .PHONY: lint
-lint: $(INSTALLED) ## ruff: rules and format
+lint: $(INSTALLED) ## ruff: rules and format; import-linter: the floors of docs/development.md
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo --no-cache
 
 .PHONY: format
 format: $(INSTALLED) ## let ruff repair what it can
@@ -104,6 +109,10 @@ docs: $(INSTALLED) ## write docs/api.md from the docstrings
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
+
+.PHONY: sensitivity
+sensitivity: $(INSTALLED) ## halve and double every setting of the search on a few blind trials: docs/settings.md (half an hour)
+	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS) $(ARGS)
 
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock

@@ -24,25 +24,16 @@ if TYPE_CHECKING:
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
     from harness.errors import EngineFailure, HarnessError, InputError
 
-_MODULES = {
-    "load_case": "harness.api.case",
-    "Case": "harness.api.case",
-    "compare": "harness.api.comparison",
-    "Comparison": "harness.api.comparison",
-    "diagnose": "harness.api.diagnosis",
-    "Diagnosis": "harness.api.diagnosis",
-    "load_diagnosis": "harness.api.saved",
-    "LoadedDiagnosis": "harness.api.saved",
-    "replay": "harness.api.replay",
-    "Replayed": "harness.api.replay",
-    "Effect": "analytic.effects",
-    "Parameter": "analytic.effects",
-    "Force": "analytic.effects",
-    "Acting": "analytic.effects",
-    "HarnessError": "harness.errors",
-    "InputError": "harness.errors",
-    "EngineFailure": "harness.errors",
+_NAMES = {
+    "analytic.effects": ("Acting", "Effect", "Force", "Parameter"),
+    "harness.api.case": ("Case", "load_case"),
+    "harness.api.comparison": ("Comparison", "compare"),
+    "harness.api.diagnosis": ("Diagnosis", "diagnose"),
+    "harness.api.replay": ("Replayed", "replay"),
+    "harness.api.saved": ("LoadedDiagnosis", "load_diagnosis"),
+    "harness.errors": ("EngineFailure", "HarnessError", "InputError"),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = [
     "Acting",

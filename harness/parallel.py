@@ -1,9 +1,9 @@
-"""Jobs in several processes that share what their parent has imported and computed; only where a caller asks for it.
+"""Jobs in several forked processes, which share the state of their parent; used only if a caller asks for it.
 
-For work that holds Python's global lock; compiled code that lets go of it needs threads only. A forked process has
-everything its parent had, while a fresh one, as those of joblib are, would import engines and compiled code for longer
-than most jobs last, and would lack the effects that have joined the catalogue. Forking is not safe for every program
-(one whose threads hold locks, as a notebook's may), so the default everywhere is this process alone.
+For work that holds Python's global lock; compiled code that releases it needs only threads. Processes that start fresh,
+such as those of joblib, would import engines and compiled code for longer than most jobs last, and would lack effects
+that the user added to the catalogue. Forking is unsafe in programs whose threads hold locks, such as notebooks, so the
+default everywhere is a single process.
 """
 
 from __future__ import annotations
@@ -23,25 +23,23 @@ from harness.errors import HarnessError
 T = TypeVar("T")
 Results = Callable[[], list[T]]
 
-_jobs: Sequence[Callable[[], Any]] = ()  # of a forked process
+_jobs: Sequence[Callable[[], Any]] = ()  # in a forked process
 
 
 def side_by_side(
     jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
 ) -> list[T]:
-    """The results of `jobs`, in their order.
+    """Results of `jobs`, in their order.
 
-    They run one after another for a single one of `workers`, where this process is itself one of several that share the
-    work, and where processes cannot be forked safely (Windows has no fork, and macOS's own libraries do not survive
-    one).
+    They run sequentially for one worker, within a worker process, and on systems without a safe fork (Windows, macOS).
 
     Args:
         jobs: functions whose results can be pickled; they need not be picklable themselves.
-        workers: how many processes may run.
-        told: called with the number of jobs done, after each.
+        workers: largest number of processes.
+        told: called after each job with the number of finished jobs.
 
     Raises:
-        HarnessError: a process ended in the middle of a job. What a job raises is passed on.
+        HarnessError: a process ended during a job. Exceptions of a job are passed on.
     """
     with meanwhile(jobs, workers, told) as results:
         return results()
@@ -51,7 +49,7 @@ def side_by_side(
 def meanwhile(
     jobs: Sequence[Callable[[], T]], workers: int, told: Callable[[int], None] = lambda _: None
 ) -> Iterator[Results[T]]:
-    """As `side_by_side`, but the jobs go on while the block does; the function that it is given waits for the results.
+    """As `side_by_side`, but the jobs run while the block does; the function that it is given awaits the results.
 
     No other process may be forked within the block.
     """
@@ -77,18 +75,18 @@ def _one_by_one(jobs: Sequence[Callable[[], T]], told: Callable[[int], None]) ->
 
 def _awaited(pending: Sequence[Future[T]], told: Callable[[int], None]) -> list[T]:
     try:
-        for done, each in enumerate(as_completed(pending), start=1):
-            each.result()
+        for done, future in enumerate(as_completed(pending), start=1):
+            future.result()
             told(done)
     except BrokenProcessPool as error:
-        raise HarnessError("a process ended in the middle of its work; is there memory enough?") from error
-    return [each.result() for each in pending]
+        raise HarnessError("a process ended during its work; check that there is enough memory") from error
+    return [future.result() for future in pending]
 
 
 def _begin(jobs: Sequence[Callable[[], Any]]) -> None:
     global _jobs
     _jobs = jobs
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt is the parent's to tell
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
 
 
 def _do(index: int) -> Any:

@@ -1,4 +1,4 @@
-"""How long work tells what it is doing, and how much of it is done."""
+"""Progress of long work: a text, and the share of the work that is done."""
 
 from __future__ import annotations
 
@@ -9,33 +9,32 @@ from typing import Protocol
 
 
 class Progress(Protocol):
-    """Told what is being done, one short line at a time, perhaps from several threads."""
+    """Receiver of progress texts, one short line each, possibly from several threads."""
 
     def __call__(self, text: str, *, share: float | None = None) -> None:
-        """Take a text, and the share of the work that is done, 0 to 1; `None` where it is not known."""
+        """Receive a text and the share of the work that is done, 0 to 1, or `None` if it is unknown."""
         ...
 
 
 def silent(text: str, *, share: float | None = None) -> None:
-    """Tell nobody."""
+    """A `Progress` that discards every text."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of the work, from share `begin` to share `end` of the whole, as a `Progress` of its own.
+    """A `Progress` for one stage of the work, from share `begin` to share `end` of the whole.
 
-    A text that comes without a share moves on by one of about `steps`: the n-th one stands at 1 − exp(−n/steps) of the
-    stage, which grows to the end of it however many there are.
+    The n-th text without a share is placed at 1 − exp(−n/steps) of the stage, so that any number of texts stays in it.
     """
 
     progress: Progress
     begin: float
     end: float
     steps: float
-    _told: count[int] = field(default_factory=lambda: count(0))
+    _texts: count[int] = field(default_factory=lambda: count(0))
 
     def __call__(self, text: str, *, share: float | None = None) -> None:
-        """Tell the share of the whole."""
+        """Pass the text on with the share of the whole."""
         if share is None:
-            share = -math.expm1(-next(self._told) / self.steps)
+            share = -math.expm1(-next(self._texts) / self.steps)
         self.progress(text, share=self.begin + (self.end - self.begin) * share)

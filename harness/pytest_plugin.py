@@ -23,48 +23,45 @@ BUNDLED = "bundled"
 _INSPECTION = pytest.StashKey["Inspection"]()
 
 
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "case": {
+        "metavar": "DIR",
+        "help": f"check the limits of this case: a folder, its rig.toml or a CSV recording; `{BUNDLED}` for the "
+        "bundled one. Unless test files are named too, nothing else is collected.",
+    },
+    "recording": {"metavar": "NAME", "help": "recording of the case to check"},
+    "set": {
+        "action": "append",
+        "default": [],
+        "metavar": "ENGINE.NAME=VALUE",
+        "help": "set a contact parameter, as in mujoco.friction=0.3; repeatable",
+    },
+    "parameters": {"type": Path, "metavar": "FILE", "help": "contact parameters, one TOML table per engine"},
+    "engine": {
+        "action": "append",
+        "default": [],
+        "metavar": "NAME",
+        "help": "check the limits on this engine and not on others; repeatable (default: every engine with a limit)",
+    },
+    "tolerances": {
+        "type": Path,
+        "metavar": "FILE",
+        "help": "limits (default: tolerances.toml of the case, else the package's)",
+    },
+}
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options, named as in `harness run`."""
     group = parser.getgroup("harness", "tolerance checks of a ball-and-beam case")
-    group.addoption(
-        "--case",
-        dest="harness_case",
-        metavar="DIR",
-        help=f"check the limits of this case: a folder, its rig.toml or a CSV recording; `{BUNDLED}` for the bundled "
-        "one. Unless test files are named too, nothing else is collected.",
-    )
-    group.addoption("--recording", dest="harness_recording", metavar="NAME", help="recording of the case to check")
-    group.addoption(
-        "--set",
-        dest="harness_set",
-        action="append",
-        default=[],
-        metavar="ENGINE.NAME=VALUE",
-        help="set a contact parameter, as in mujoco.friction=0.3; repeatable",
-    )
-    group.addoption(
-        "--parameters", dest="harness_parameters", metavar="FILE", help="contact parameters, one TOML table per engine"
-    )
-    group.addoption(
-        "--engine",
-        dest="harness_engine",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="check the limits on this engine and not on others; repeatable (default: every engine with a limit)",
-    )
-    group.addoption(
-        "--tolerances",
-        dest="harness_tolerances",
-        metavar="FILE",
-        help="limits (default: tolerances.toml of the case, else the package's)",
-    )
+    for name, details in _OPTIONS.items():
+        group.addoption(f"--{name}", dest=f"harness_{name}", **details)
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """With a case and no test files named, collect the case alone."""
     if _wanted(config, "case") is None:
-        given = [name for name in ("recording", "set", "parameters", "engine", "tolerances") if _wanted(config, name)]
+        given = [name for name in _OPTIONS if _wanted(config, name)]
         if given:
             raise pytest.UsageError(f"--{given[0]} needs --case DIR")
     elif config.args_source is not pytest.Config.ArgsSource.ARGS:
@@ -85,8 +82,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
             recording=_wanted(config, "recording"),
             engines=_wanted(config, "engine"),
             assignments=_wanted(config, "set"),
-            parameters=_file(config, "parameters"),
-            tolerances=_file(config, "tolerances"),
+            parameters=_wanted(config, "parameters"),
+            tolerances=_wanted(config, "tolerances"),
         )
     except InputError as error:
         raise pytest.UsageError(str(error)) from error
@@ -180,11 +177,6 @@ class LimitItem(pytest.Item):
 
 def _wanted(config: pytest.Config, name: str) -> Any:
     return config.getoption(f"harness_{name}")
-
-
-def _file(config: pytest.Config, name: str) -> Path | None:
-    given = _wanted(config, name)
-    return None if given is None else Path(given)
 
 
 def _case_path(config: pytest.Config) -> Path:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import Case, load_case
 from harness.simulator import Experiment, SimulatedRecording, write_case
@@ -38,4 +38,4 @@ def pose(
     )
     truth = write_case(folder, experiment)
     case = load_case(folder)
-    return Posed(case, problem_of(case)[0], tuple(truth))
+    return Posed(case, problem_of(case), tuple(truth))

@@ -20,10 +20,10 @@ from benchmarks.calibration.rows import Outcome
 from benchmarks.calibration.run import diagnosed
 from benchmarks.calibration.sizes import SCALES, Scale
 from benchmarks.calibration.trials import plan
-from harness.cli.diagnose import as_record
+from harness.api.assemble import diagnosis_record
 from harness.errors import InputError
 from harness.identify.diagnosis import diagnose
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.simulator import Experiment, Plant, simulate, write_case
@@ -109,7 +109,7 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     """Find it, put it into both engines, which then predict better, and say it in its own words."""
     write_case(tmp_path / "case", Experiment(hidden={HOSE.name: VALUES}, duration=8.0, seed=1, predict=0))
     case = load_case(tmp_path / "case")
-    found = diagnose(problem_of(case)[0])
+    found = diagnose(problem_of(case))
     (effect,) = found.effects
     force = effect.parameters["force"]
     assert (effect.name, force.unit) == (HOSE.name, "N")
@@ -117,6 +117,6 @@ def test_diagnosis_and_report_take_it(tmp_path: Path) -> None:
     for name in ("mujoco", "pybullet"):
         before, after = (found.engines[name][when]["rms_m"]["whole"] for when in ("before", "after"))
         assert after < 0.2 * before
-    page = render_diagnosis(found, as_record(found, case, 1.0, {}), case)
+    page = render_diagnosis(found, diagnosis_record(found, case, 1.0, {}), case)
     assert re.search(r"hose that pulls with 8\.\d+ ± 0\.\d+ mN", page)
     assert "hose pull" in page  # where it enters the engines' scenes

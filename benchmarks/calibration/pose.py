@@ -12,7 +12,7 @@ from analytic.models import CUM
 from analytic.rig import Rig
 from benchmarks.calibration.engine_ball import engine_mover
 from benchmarks.calibration.trials import RIG, Trial
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
 from harness.simulator import Experiment, Record, SimulatedRecording, write_case
@@ -34,7 +34,7 @@ def pose(trial: Trial, folder: Path) -> Problem:
     experiment = experiment_of(trial)
     recordings = experiment.recordings(None if trial.plant == RIG else engine_mover(trial.plant))
     write_case(folder, experiment, [_spoilt(one, trial.spikes) for one in recordings])
-    problem, _ = problem_of(load_case(folder))
+    problem = problem_of(load_case(folder))
     return replace(problem, model=WITHOUT_PIVOT) if PIVOT in trial.hidden else problem
 
 

@@ -14,7 +14,7 @@ from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
 from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
 from harness.errors import InputError
 
-Terms = dict[str, dict[str, float]]
+Values = dict[str, dict[str, float]]
 
 STUDIES = ("null", "confusion", "power")
 NULL_TRIALS, SEEDS = 200, 5  # of the committed tables
@@ -59,9 +59,9 @@ class Trial:
     counts: int
     noise: float
     spikes: float
-    hidden: Terms
-    unlisted: Terms
-    declared: Terms
+    hidden: Values
+    unlisted: Values
+    declared: Values
     seed: int
     recordings: int = RECORDINGS
 
@@ -160,9 +160,9 @@ def in_engines(name: str) -> bool:
     return SCALES[name].engines
 
 
-def _declared(generator: np.random.Generator, hidden: Terms) -> Terms:
+def _declared(generator: np.random.Generator, hidden: Values) -> Values:
     """What acts and is declared; nothing that would make the hidden effect one of degree."""
-    declared: Terms = {}
+    declared: Values = {}
     probability, low, high = _ROLLING
     rolling = generator.uniform() < probability, float(generator.uniform(low, high))
     like_it = set(ROLLING_RESISTANCE.relations.nested_in)

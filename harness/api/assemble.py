@@ -130,7 +130,7 @@ def _baselines(compared: BaselineComparison) -> BaselinesRecord:
 
 
 def _next_experiment(one: Proposal) -> NextExperimentRecord:
-    room = one.room
+    envelope = one.envelope
     return NextExperimentRecord(
         profile=one.profile.name,
         does=one.profile.words,
@@ -139,11 +139,11 @@ def _next_experiment(one: Proposal) -> NextExperimentRecord:
         duration_s=float(one.time[-1]),
         separations=tuple(SeparationRecord.model_validate(each) for each in one.separations),
         tried=dict(one.tried),
-        open_loop_drift_m=one.drift,
+        open_loop_drift_m=one.open_loop_drift,
         limits=LimitsRecord(
-            ball_position_m=(room.low, room.high),
-            beam_angle_rad=room.angle,
-            beam_rate_rad_s=room.rate,
-            beam_acceleration_rad_s2=room.acceleration,
+            ball_position_m=(envelope.low, envelope.high),
+            beam_angle_rad=envelope.angle,
+            beam_rate_rad_s=envelope.rate,
+            beam_acceleration_rad_s2=envelope.acceleration,
         ),
     )

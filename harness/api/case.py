@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -10,23 +9,8 @@ import numpy as np
 from harness.formatting import number
 from harness.recording import Case as CheckedCase
 from harness.recording import case as cases
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
-
-_UNITS = {
-    "mass": "kg",
-    "inertia": "kg m²",
-    "radius": "m",
-    "rolling_radius": "m",
-    "eccentricity": "m",
-    "gravity": "m/s²",
-    "level_angle": "rad",
-    "length": "m",
-    "angle_resolution": "rad",
-    "angle_noise": "rad",
-    "position_noise": "m",
-    "position_resolution": "m",
-}
+from harness.recording.known_rig import UNITS
+from harness.report.tables import Summarised, Summary, Table, texts
 
 
 class Case(Summarised, CheckedCase):
@@ -39,37 +23,25 @@ class Case(Summarised, CheckedCase):
             lines.append(f"declared effects: {', '.join(one.name for one in self.declared)}")
         tables = [self._recordings(), self._known()]
         if self.findings:
-            columns = [Column(head, text=True) for head in ("severity", "where", "finding")]
-            rows = [Row((one.severity, one.where, one.text)) for one in self.findings]
-            tables.append(Table("Findings", columns, rows))
+            rows = [(one.severity, one.where, one.text) for one in self.findings]
+            tables.append(Table("Findings", texts("severity", "where", "finding"), rows))
         return Summary(f"Case {self.path}", lines, tables)
 
     def _recordings(self) -> Table:
-        columns = [
-            Column("recording", text=True),
-            Column("length", "s"),
-            Column("samples"),
-            Column("rate", "Hz"),
-            Column("positions"),
-            Column("used to", text=True),
-        ]
         rows = []
         for name, one in self.recordings.items():
             use = " and ".join(use for use in ("identify", "predict") if name in getattr(self, use))
             length, rate = one.time[-1] - one.time[0], 1.0 / float(np.median(np.diff(one.time)))
             cells = (number(float(length)), str(len(one.time)), number(rate), str(int(one.known.sum())), use)
-            rows.append(Row((name, *cells)))
+            rows.append((name, *cells))
+        columns = [*texts("recording"), "length [s]", "samples", "rate [Hz]", "positions", *texts("used to")]
         return Table("Recordings", columns, rows)
 
     def _known(self) -> Table:
-        columns = [Column("quantity", text=True), Column("value"), Column("unit", text=True)]
         rows = []
-        for part in (self.rig, self.sensors):
-            for field in fields(part):
-                value = getattr(part, field.name)
-                said = "not known" if value is None else number(value, 4)
-                rows.append(Row((field.name.replace("_", " "), said, _UNITS[field.name])))
-        return Table("What is known", columns, rows)
+        for name, value in (*vars(self.rig).items(), *vars(self.sensors).items()):
+            rows.append((name.replace("_", " "), "not known" if value is None else number(value, 4), UNITS[name]))
+        return Table("What is known", [*texts("quantity"), "value", *texts("unit")], rows)
 
 
 def load_case(path: str | Path = cases.BUNDLED) -> Case:
@@ -89,5 +61,5 @@ def case_of(given: CheckedCase | str | Path) -> Case:
     if isinstance(given, Case):
         return given
     if isinstance(given, CheckedCase):
-        return Case(**{field.name: getattr(given, field.name) for field in fields(given)})
+        return Case(**vars(given))
     return load_case(given)

@@ -15,8 +15,7 @@ from harness.api.outputs import all_or_nothing, report_folder, to_json
 from harness.api.progress import shown
 from harness.errors import EngineFailure, InputError
 from harness.progress import Progress
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from harness.tolerances import Checked, Tolerances
 
 REPORT = "report.html"
+HEADS = ("source", "RMS [mm]", "max [mm]", "fit [%]", "E/u_val", "ISO 18571")
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,22 +79,9 @@ class Comparison(Summarised):
 
     def summary(self) -> Summary:
         """The answer and the scores on the headline horizon."""
-        study = self.study
-        columns = [
-            Column("source", text=True),
-            Column("RMS", "mm"),
-            Column("max", "mm"),
-            Column("fit", "%"),
-            Column("E/u_val"),
-            Column("ISO 18571"),
-        ]
-        rows = []
-        for score in (study.score_of(name, study.headline) for name in study.sources):
-            errors = (f"{score.rms_error_mm:.2f}", f"{1e3 * score.max_error_m:.2f}", f"{score.fit_percent:.1f}")
-            ratings = (f"{score.rms_error_over_uncertainty:.1f}", f"{score.iso18571_rating:.2f}")
-            rows.append(Row((score.source, *errors, *ratings)))
-        table = Table(f"Horizon: {study.headline.name}", columns, rows)
-        return Summary(f"Comparison of {study.setting.recording.path}", self.answer, [table])
+        source, *numbers = HEADS
+        table = Table(f"Horizon: {self.study.headline.name}", [*texts(source), *numbers], headline_rows(self.study))
+        return Summary(f"Comparison of {self.study.setting.recording.path}", self.answer, [table])
 
     def plot(self) -> Figure:
         """The recording against all sources, on the horizon of the answer."""
@@ -206,6 +193,22 @@ def compare(
                 tell("report", share=0.8)
                 made._write(scratch)
     return made
+
+
+def headline_rows(study: Study) -> list[tuple[str, ...]]:
+    """The scores of every source on the headline horizon, as texts under `HEADS`."""
+    scores = [study.score_of(name, study.headline) for name in study.sources]
+    return [
+        (
+            one.source,
+            f"{one.rms_error_mm:.2f}",
+            f"{1e3 * one.max_error_m:.2f}",
+            f"{one.fit_percent:.1f}",
+            f"{one.rms_error_over_uncertainty:.1f}",
+            f"{one.iso18571_rating:.2f}",
+        )
+        for one in scores
+    ]
 
 
 def _choose_engines(

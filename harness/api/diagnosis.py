@@ -153,10 +153,12 @@ def diagnose(
             tell("drives and rig", share=0.0)
             from harness.api.assemble import diagnosis_record
             from harness.identify.diagnosis import diagnose as find
-            from harness.identify.problem.prepare import problem_of, record_of
+            from harness.identify.pose import problem_of
+            from harness.identify.problem.problem import PreparedRecording
+            from harness.preparation.recordings import observe
 
-            problem, _ = problem_of(case)
-            records = [record_of(case, one, problem.rig)[0] for one in further]
+            problem = problem_of(case)
+            records = [PreparedRecording.of(observe(one, case.sensors, problem.rig)) for one in further]
             found = find(problem, tell, also=records, length=case.rig.length, jobs=jobs)
             record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further)
             made = Diagnosis(record, case, found, effects=own, asked=asked)

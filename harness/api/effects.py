@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
-
-from harness.errors import InputError
 
 if TYPE_CHECKING:
     from analytic.effects import Effect
@@ -26,17 +24,10 @@ def beside_catalogue(given: Sequence[Given]) -> Iterator[tuple[Effect, ...]]:
     if not given:
         yield ()
         return
-    from analytic.effects import CATALOGUE, EffectError, joined
     from harness.recording.user_effects import own_effects
 
-    effects = tuple(one for one in given if not isinstance(one, str | Path))
-    with ExitStack() as stack:
-        read = stack.enter_context(own_effects(files_of(given)))
-        try:
-            stack.enter_context(joined(one for one in effects if CATALOGUE.get(one.name) is not one))
-        except EffectError as error:
-            raise InputError(f"{error}.") from error
-        yield (*read, *effects)
+    with own_effects([Path(one) if isinstance(one, str) else one for one in given]) as effects:
+        yield effects
 
 
 def files_of(given: Sequence[Given]) -> tuple[Path, ...]:

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+import pydantic_core
 
 from harness.errors import InputError
-from harness.recording.case import RIG_FILE
+from harness.recording.case import RIG_FILE, case_name
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,8 +28,7 @@ _PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
 
 def report_folder(case: Path) -> Path:
     """Where the results of a case go unless the user says otherwise: `reports/<name of the case>`."""
-    path = case.resolve()
-    return Path("reports") / (path.parent.name if path.name == "rig.toml" else path.stem)
+    return Path("reports") / case_name(case)
 
 
 @contextmanager
@@ -122,20 +120,8 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
 
 
 def to_json(value: Any) -> str:
-    """JSON text; numbers that are not finite become null, as JSON has none."""
-    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
+    """JSON text, also of dataclasses; numbers that are not finite become null, as JSON has none."""
+    return pydantic_core.to_json(value, indent=2, inf_nan_mode="null", fallback=lambda one: one.item()).decode()
 
 
 def write_csv(table: pd.DataFrame, file: Path) -> None:

@@ -1,4 +1,4 @@
-"""Does the ledger of a diagnosis come out again from the same inputs?"""
+"""Replay: check that the ledger of a diagnosis is reproduced from the same inputs."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Replayed:
 
     Attributes:
         origin: of the diagnosis.
-        attempts, fits: how many were replayed.
-        mismatches: what did not come out again.
+        attempts, fits: numbers of decisions and fits that were replayed.
+        mismatches: what differs.
         largest: difference of a deviance.
         other_versions: software that is not what it was, `then → now` by name.
     """
@@ -55,7 +55,7 @@ def replay(
     effects: Sequence[Given] = (),
     progress: bool | Progress = False,
 ) -> Replayed:
-    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
 
     Args:
         diagnosis: or its diagnosis.json, or the folder that this is in.
@@ -72,14 +72,14 @@ def replay(
     with beside_catalogue(effects), shown(progress) as tell:
         case = case_of(case)
         tell("drives and rig", share=0.0)
-        from harness.identify.problem.prepare import problem_of
+        from harness.identify.pose import problem_of
         from harness.identify.selection.replay import replay as again
         from harness.provenance import versions
 
         try:
             sources = record.problem.inputs
             _same_inputs(sources.hashes, input_hashes(case, files_of(effects)), case.path, kept.origin)
-            problem, _ = problem_of(case, record.problem.recordings)
+            problem = problem_of(case, record.problem.recordings)
             done = again(record, problem, refit=refit, progress=tell)
         except (LookupError, ValueError) as error:
             raise InputError(f"{kept.origin}: its ledger cannot be read ({error!r}); diagnose anew") from error

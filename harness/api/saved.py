@@ -10,8 +10,7 @@ from harness.api.effects import Given, beside_catalogue
 from harness.formatting import number
 from harness.identify.record import FILE, DiagnosisRecord, EffectRecord, RmsRecord, UnlistedRecord, read_record
 from harness.recording import Recording, Sensors, load_recording
-from harness.report.summary import Summarised, Summary
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,40 +105,29 @@ class LoadedDiagnosis(Summarised):
 
             from harness.identify.estimate.forecast import forecast
             from harness.identify.model_file import read_model, rig_of
-            from harness.identify.problem.prepare import record_from
+            from harness.identify.problem.problem import PreparedRecording
+            from harness.preparation.recordings import observe
 
-            record, _ = record_from(read, sensors, rig_of(model))
+            record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
             problem, found = read_model(model, record, str(self.origin))
             return pd.DataFrame(forecast(problem, found, record, record.reading).table())
 
     def summary(self) -> Summary:
         """The verdict in words, the effects, the held-out errors."""
-        columns = [
-            Column("effect", text=True),
-            Column("parameter", text=True),
-            Column("value"),
-            Column("95 % interval"),
-            Column("unit", text=True),
-            Column("not to be told from", text=True),
-        ]
         rows = [
-            Row((f"`{one.name}`", f"`{key}`", number(each.value, 4), _interval(each.interval), each.unit, rivals))
+            (f"`{one.name}`", f"`{key}`", number(each.value, 4), _interval(each.interval), each.unit, rivals)
             for one in self.record.effects
             for rivals in [", ".join(one.indistinguishable_from) or "nothing"]
             for key, each in one.parameters.items()
         ]
+        columns = [*texts("effect", "parameter"), "value", "95 % interval", *texts("unit", "not to be told from")]
         tables = [Table("Effects", columns, rows)] if rows else []
-        heads = [
-            Column("predicted by", text=True),
-            Column("over", text=True),
-            Column("before", "mm"),
-            Column("after", "mm"),
-        ]
         errors = [
-            Row((source, horizon, *("–" if one is None else number(1e3 * one) for one in both)))
+            (source, horizon, *("–" if one is None else number(1e3 * one) for one in both))
             for data, source, horizon, *both in self._errors()
             if data == "heldout"
         ]
+        heads = [*texts("predicted by", "over"), "before [mm]", "after [mm]"]
         tables.append(Table("RMS errors, held out", heads, errors))
         lines = [self.sentence]
         if self.record.next_experiment is not None:

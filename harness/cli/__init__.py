@@ -1,1 +1,1 @@
-"""What each command does, between its options and its files."""
+"""The command line: options, calls of the API, printed results."""

@@ -1,12 +1,15 @@
-"""The command line: parse, call, print. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 engine failed."""
+"""The commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or input, 3 an engine failed."""
 
 from __future__ import annotations
 
 import math
+import os
+import re
 import shlex
 import sys
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
@@ -15,14 +18,15 @@ from harness.errors import HarnessError
 
 
 class Friendly(click.Group):
-    """Turns errors meant for the user into one message and their exit code."""
+    """A group that turns a `HarnessError` into a message and its exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; an error meant for the user ends it with one message."""
+        """Run the command; a `HarnessError` ends it with one message."""
         try:
             return super().invoke(ctx)
         except HarnessError as error:
-            fail(error)
+            click.echo(f"error: {error}", err=True)
+            sys.exit(error.exit_code)
 
 
 class RunCommand(click.Command):
@@ -39,19 +43,13 @@ class RunCommand(click.Command):
         super().format_epilog(ctx, formatter)
 
 
-def fail(error: HarnessError) -> NoReturn:
-    """Say what is wrong on stderr and leave."""
-    click.echo(f"error: {error}", err=True)
-    sys.exit(error.exit_code)
-
-
 class StateType(click.ParamType):
     """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
 
     name = "S,V"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
-        """Read the text of the option."""
+        """Parse the option."""
         if value is None or isinstance(value, State) or value == "estimate":
             return None if value == "estimate" else value
         try:
@@ -69,29 +67,27 @@ class AngleType(click.ParamType):
     name = "ANGLE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read the text of the option; radians."""
+        """Parse the option; radians."""
         if value is None or isinstance(value, float) or value == "estimate":
             return value
-        text, factor = str(value).strip(), 1.0
-        for unit, size in (("deg", math.radians(1.0)), ("°", math.radians(1.0)), ("rad", 1.0)):
-            if text.endswith(unit):
-                text, factor = text.removesuffix(unit), size
-                break
+        found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
         try:
-            angle = float(text) * factor
+            angle = float(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
         except ValueError:
             angle = math.nan
         if not math.isfinite(angle):
-            self.fail(f"{value!r} is no angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+            self.fail(f"{value!r} is not an angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
         return angle
 
 
-effects_option = click.option(
+_PATH = click.Path(path_type=Path)
+_out_option = click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
+_effects_option = click.option(
     "--effects",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
-    help="Python file with effects of your own, known beside the catalogue; repeatable.",
+    help="Python file with effects of your own, added to the catalogue; repeatable.",
 )
 
 
@@ -105,7 +101,7 @@ def main() -> None:
       harness run                       the bundled, simulated recording of the paper's protocol
       harness run my_rig/               a folder with rig.toml and CSV recordings
       harness run swing.csv             one recording of the paper's rig
-      harness diagnose my_rig/          what the model lacks, by name and size
+      harness diagnose my_rig/          missing physics by name, with parameters and intervals
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness replay reports/my_rig/ my_rig/
 
@@ -115,10 +111,8 @@ def main() -> None:
 
 
 @main.command(cls=RunCommand)
-@click.argument("case", required=False, type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
-)
+@click.argument("case", required=False, type=_PATH)
+@_out_option
 @click.option("--recording", metavar="NAME", help="Which recording of the case [default: the first to identify from].")
 @click.option(
     "--engine",
@@ -132,7 +126,7 @@ def main() -> None:
 )
 @click.option(
     "--parameters",
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Contact parameters from a TOML file, one table an engine; --set wins.",
 )
@@ -141,14 +135,14 @@ def main() -> None:
     type=StateType(),
     default="estimate",
     show_default=True,
-    help="Ball at the first stamp, position [m] and velocity [m/s].",
+    help="Initial state at the first stamp, position [m] and velocity [m/s].",
 )
 @click.option(
     "--level-angle",
     type=AngleType(),
     metavar="ANGLE|estimate",
-    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated where the rig is not "
-    "known].",
+    help="Level angle α₀ in rad, or as -0.16deg [default: as in rig.toml; else 0, or estimated if rig quantities are "
+    "unknown].",
 )
 @click.option(
     "--window",
@@ -166,18 +160,18 @@ def main() -> None:
     metavar="METRES",
     help="Half width of the tolerance tube.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the draws that propagate uncertainty.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the Monte Carlo draws.")
 @click.option(
-    "--check", "check_limits", is_flag=True, help="Hold the result to tolerances; exit code 1 if one is broken."
+    "--check", "check_limits", is_flag=True, help="Check the result against tolerances; exit code 1 if one is violated."
 )
 @click.option(
     "--tolerances",
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
-@effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
+@_effects_option
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
 
@@ -197,26 +191,24 @@ def run(case: Path | None, **options: Any) -> None:
 
 
 @main.command()
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder to write into [default: reports/<name of the case>]."
-)
+@click.argument("case", type=_PATH)
+@_out_option
 @click.option(
     "--also",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=_PATH,
     metavar="FILE",
-    help="Further recording of the rig, with positions: nothing is fitted to it, errors before and after are reported "
-    "for it; repeatable.",
+    help="Further recording of the rig, with positions, for validation only: errors before and after are reported; "
+    "repeatable.",
 )
-@effects_option
+@_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
-def diagnose(case: Path, **options: Any) -> None:
-    """Find what the model lacks: name the effect, its size and interval, and the error before and after.
+def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
+    """Identify missing physics: effects with parameters and intervals, and the errors before and after.
 
     CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
     diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
-    next_experiment.csv, the beam angle [rad] to record next, where one would tell more. Values are in SI units.
+    next_experiment.csv, the beam angle [rad] to record next, if one is proposed. Values are in SI units.
 
     \b
     Examples:
@@ -224,46 +216,63 @@ def diagnose(case: Path, **options: Any) -> None:
       harness diagnose my_rig/ --effects magnet.py
       harness diagnose my_rig/ --also my_rig/swing_07.csv
     """
-    from harness.cli.diagnose import diagnose_case
+    from harness.api.diagnosis import REPORT
+    from harness.api.diagnosis import diagnose as find
+    from harness.api.outputs import report_folder
+    from harness.identify.record import FILE
 
-    sys.exit(diagnose_case(case, **options))
+    folder = out or report_folder(case)
+    made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=True, **options)
+    files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
+    click.echo(made.record.text() if as_json else f"{made.sentence}\n{files}")
 
 
 @main.command()
-@click.argument("diagnosis", type=click.Path(path_type=Path))
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option("--refit", is_flag=True, help="Fit every hypothesis on from its numbers, and decide by what comes out.")
-@effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print the result for machines on stdout.")
-def replay(diagnosis: Path, case: Path, **options: Any) -> None:
-    """Replay the ledger of a diagnosis: do its hashes, deviances and decisions come out again?
+@click.argument("diagnosis", type=_PATH)
+@click.argument("case", type=_PATH)
+@click.option(
+    "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
+)
+@_effects_option
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
+def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
+    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
 
-    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Ends with 1 if anything
-    differs, with 2 if an input file has changed since.
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. The exit code is 1 if anything
+    differs, 2 if an input file has changed since.
 
     \b
     Examples:
       harness replay reports/my_rig/diagnosis.json my_rig/
       harness replay reports/my_rig/ my_rig/ --refit
     """
-    from harness.cli.replay import replay_case
+    from harness.api.outputs import to_json
+    from harness.api.replay import replay as again
 
-    sys.exit(replay_case(diagnosis, case, **options))
+    done = again(diagnosis, case, refit=refit, progress=True, **options)
+    if as_json:
+        content = asdict(done)
+        click.echo(to_json({"diagnosis": str(content.pop("origin")), "reproduced": done.reproduced, **content}))
+    else:
+        how = "re-optimised from their parameters" if refit else f"deviances within {done.largest:.1g}"
+        lines = [f"{mismatch.where}: {mismatch.what}" for mismatch in done.mismatches]
+        lines += [f"note: {name} has changed since: {change}" for name, change in done.other_versions.items()]
+        result = "nothing differs" if done.reproduced else f"{len(done.mismatches)} differ"
+        click.echo("\n".join([*lines, f"{done.attempts} decisions, {done.fits} fits replayed ({how}): {result}"]))
+    sys.exit(0 if done.reproduced else 1)
 
 
 @main.command()
-@click.argument("diagnosis", type=click.Path(path_type=Path))
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="CSV to write [default: <recording>_predicted.csv beside it]."
-)
-@effects_option
-@click.option("--json", "as_json", is_flag=True, help="Print what was written for machines on stdout.")
-def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
-    """Predict ball positions from the angle alone, with the model that a diagnosis found.
+@click.argument("diagnosis", type=_PATH)
+@click.argument("recording", type=_PATH)
+@click.option("--out", type=_PATH, help="CSV to write [default: <recording>_predicted.csv beside it].")
+@_effects_option
+@click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
+def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, **options: Any) -> None:
+    """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
-    second or so; the initial state comes from those that are not. Writes time_s, ball_position_m and the 95 % band
+    second or so; the initial state is estimated from the others. Writes time_s, ball_position_m and the 95 % interval
     low_m, high_m.
 
     \b
@@ -271,6 +280,15 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
     """
-    from harness.cli.predict import predict_recording
+    from harness.api.outputs import all_or_nothing, to_json, write_csv
+    from harness.api.saved import load_diagnosis
+    from harness.recording import load_recording
 
-    sys.exit(predict_recording(diagnosis, recording, **options))
+    kept = load_diagnosis(diagnosis, **options)
+    read = load_recording(recording, sensors=kept.sensors)
+    table = kept.predict(read)
+    target = out or recording.with_name(f"{recording.stem}_predicted.csv")
+    with all_or_nothing(target.parent) as scratch:
+        write_csv(table, scratch / target.name)
+    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
+    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")

@@ -1,22 +1,18 @@
-"""`harness run`: one recording through every model and engine, into a report."""
+"""`harness run`: compare every model and engine with one recording, write a report."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from harness.api.comparison import REPORT, Comparison, compare
+from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
-from harness.errors import EngineFailure
 from harness.recording.case import BUNDLED
-
-if TYPE_CHECKING:
-    from harness.metrics import Score
 
 
 def run_case(
@@ -29,18 +25,18 @@ def run_case(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Run the comparison, write its files, say the answer; return the exit code.
+    """Run the comparison, write its files, print the result; return the exit code.
 
     Args:
         path: of the case; `None` for the bundled one.
         out: folder to write into.
         assignments, parameters: settings of engines, as texts and as a file.
-        check_limits: hold the result to tolerances.
-        as_json: print for machines.
+        check_limits: check the result against tolerances.
+        as_json: print JSON.
         options: of `harness.comparison`.
 
     Raises:
-        InputError: anything the user gave cannot be used; nothing has been written then.
+        InputError: an input cannot be used; nothing has been written then.
     """
     from harness.engines.catalogue import read_settings
 
@@ -57,16 +53,13 @@ def run_case(
 
 
 def _failures(result: Comparison) -> list[str]:
-    """One message an engine, however many of its runs failed."""
-    by_engine: dict[str, list[EngineFailure]] = {}
-    for failure in result.failures:
-        by_engine.setdefault(failure.engine, []).append(failure)
-    runs = {run.source: 0 for run in result.study.runs}
-    for run in result.study.runs:
-        runs[run.source] += len(run.horizon.first)
+    """One message per engine, whatever the number of its failed runs."""
+    failed = Counter(failure.engine for failure in result.failures)
+    first = {failure.engine: failure for failure in reversed(result.failures)}
+    runs = Counter(run.source for run in result.study.runs for _ in run.horizon.first)
     return [
-        f"{failures[0]} ({len(failures)} of its {runs[name]} runs failed; the report has the other sources)"
-        for name, failures in by_engine.items()
+        f"{first[name]} ({count} of its {runs[name]} runs failed; the report has the other sources)"
+        for name, count in failed.items()
     ]
 
 
@@ -79,18 +72,18 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "recording": result.setting.recording.name,
             "origin": result.setting.case.origin,
             "headline": result.headline.name,
-            "scores": [asdict(score) for score in result.scores],
-            "claims": [asdict(claim) for claim in result.claims],
+            "scores": result.scores,
+            "claims": result.claims,
             "attribution": {one.source: one.rms() for one in result.attributions},
-            "checks": [asdict(one) for one in made.checks],
-            "findings": [asdict(one) for one in result.setting.case.findings],
+            "checks": made.checks,
+            "findings": result.setting.case.findings,
             "failures": [str(failure) for failure in result.failures],
         }
     )
 
 
 def _as_text(made: Comparison, folder: Path) -> str:
-    """The answer on a terminal: the table of the headline horizon, the checks, where the report is."""
+    """Text for the terminal: answer, scores at the headline horizon, checks, path of the report."""
     result, limits = made.study, made.limits
     setting = result.setting
     lines = [
@@ -100,10 +93,10 @@ def _as_text(made: Comparison, folder: Path) -> str:
         f"  {one.severity}: {one.where}: {one.text}" for one in setting.case.findings if one.severity == "warning"
     ]
     for one in setting.estimates:
-        spread = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # what is assumed has none
+        error = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # an assumed value has none
         unit = "" if one.unit == "1" else f" {one.unit}"
-        lines.append(f"  {one.name} = {one.value:.5g}{spread}{unit} ({one.how})")
-    lines += ["", *made.answer, "", _table([result.score_of(name, result.headline) for name in result.sources])]
+        lines.append(f"  {one.name} = {one.value:.5g}{error}{unit} ({one.how})")
+    lines += ["", *made.answer, "", _table(made)]
     if limits is not None:
         from harness.tolerances import render_table
 
@@ -111,11 +104,7 @@ def _as_text(made: Comparison, folder: Path) -> str:
     return "\n".join([*lines, "", f"report: {folder / REPORT}"])
 
 
-def _table(scores: Sequence[Score]) -> str:
-    head = f"{'source':<30}{'RMS [mm]':>10}{'max [mm]':>10}{'fit [%]':>9}{'E/u_val':>9}{'ISO 18571':>11}"
-    rows = [
-        f"{s.source:<30}{s.rms_error_mm:>10.2f}{1e3 * s.max_error_m:>10.2f}{s.fit_percent:>9.1f}"
-        f"{s.rms_error_over_uncertainty:>9.1f}{s.iso18571_rating:>11.2f}"
-        for s in scores
-    ]
-    return "\n".join([f"horizon: {scores[0].horizon}", head, *rows])
+def _table(made: Comparison) -> str:
+    rows = [HEADS, *headline_rows(made.study)]
+    lines = [f"{name:<30}" + "".join(map(str.rjust, cells, (10, 10, 9, 9, 11))) for name, *cells in rows]
+    return "\n".join([f"horizon: {made.study.headline.name}", *lines])

@@ -37,6 +37,11 @@ class Verdict(StrEnum):
     REFUTED = "refuted"
     UNDECIDABLE = "not decidable on this recording"
 
+    @classmethod
+    def of(cls, confirmed: bool, refuted: bool) -> Verdict:
+        """The one that holds."""
+        return cls.CONFIRMED if confirmed else cls.REFUTED if refuted else cls.UNDECIDABLE
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -151,11 +156,8 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, u_val
         f"{1e3 * gain[1][0]:.1f} to {1e3 * gain[1][1]:.1f} mm; angle, start and sensor leave an "
         f"uncertainty of {1e3 * u_val:.1f} mm"
     )
-    if min(moved) > max(limit, 2.0 * u_val):
-        return Claim("a", text, Verdict.CONFIRMED, because)
-    if max(moved) < limit and u_val < limit:
-        return Claim("a", text, Verdict.REFUTED, because)
-    return Claim("a", text, Verdict.UNDECIDABLE, because)
+    confirmed, refuted = min(moved) > max(limit, 2.0 * u_val), max(moved) < limit and u_val < limit
+    return Claim("a", text, Verdict.of(confirmed, refuted), because)
 
 
 def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
@@ -173,11 +175,8 @@ def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
         f"({_describe(with_)}); to pay it has to reduce the error beyond the sensor noise of "
         f"{1e3 * judge.noise:.2g} mm by {100 * _MIN_IMPROVEMENT:.0f} %. {_significance(gain, std)}"
     )
-    if gain - _COVERAGE_FACTOR * std > required:
-        return Claim("b", text, Verdict.REFUTED, because)
-    if gain + _COVERAGE_FACTOR * std < required:
-        return Claim("b", text, Verdict.CONFIRMED, because)
-    return Claim("b", text, Verdict.UNDECIDABLE, because)
+    reach = _COVERAGE_FACTOR * std
+    return Claim("b", text, Verdict.of(gain + reach < required, gain - reach > required), because)
 
 
 def _friction(combinations: Combinations, judge: Judge) -> Claim:
@@ -200,15 +199,9 @@ def _friction(combinations: Combinations, judge: Judge) -> Claim:
             f"{1e3 * friction.rms_error:.1f} mm RMS, {name} to {1e3 * rivals[name].rms_error:.1f} mm. "
             f"{_significance(lead, std)}"
         )
-        if abs(lead) <= _COVERAGE_FACTOR * std:
-            verdicts.append(Verdict.UNDECIDABLE)
-        else:
-            verdicts.append(Verdict.CONFIRMED if lead > 0.0 else Verdict.REFUTED)
-    because = "; ".join(parts)
-    for verdict in (Verdict.REFUTED, Verdict.UNDECIDABLE, Verdict.CONFIRMED):
-        if verdict in verdicts:
-            return Claim("c", text, verdict, because)
-    raise AssertionError("unreachable")
+        verdicts.append(Verdict.of(lead > _COVERAGE_FACTOR * std, lead < -_COVERAGE_FACTOR * std))
+    confirmed, refuted = set(verdicts) == {Verdict.CONFIRMED}, Verdict.REFUTED in verdicts
+    return Claim("c", text, Verdict.of(confirmed, refuted), "; ".join(parts))
 
 
 def _significance(gain: float, std: float) -> str:

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from analytic.effects import CATALOGUE, Acting, EffectError, acting, motion_with, parameters_with
+from analytic.effects import Acting, motion_with, parameters_with
 from analytic.models import Model
 from analytic.motion import BeamMotion, FloatArray, State
-from analytic.rig import Rig, RigError
+from analytic.rig import Rig
 from analytic.slots import ORIGIN
 from harness.comparison.horizons import Horizon, horizons
 from harness.errors import InputError
 from harness.metrics import TOLERANCE
-from harness.preparation.rig_completion import complete, missing, rough_rig
-from harness.preparation.rig_estimate import Estimate, Fitted, Observed
-from harness.recording import Case, Recording, inferred_resolution
-from harness.signals.ball_state import BallEstimate, estimate_ball
-from harness.signals.drive import Drive, make_drive
-
-_MIN_POSITIONS = 3  # for estimating a state
+from harness.preparation.declared_effects import declared_effects
+from harness.preparation.recordings import observe
+from harness.preparation.rig_completion import complete_rig
+from harness.preparation.rig_estimate import Estimate, Fitted
+from harness.recording import Case, Recording
+from harness.signals.ball_state import BallEstimate
+from harness.signals.drive import Drive
 
 
 @dataclass(frozen=True)
@@ -61,6 +60,7 @@ class Setting:
         acting: the declared effects, included in every model and engine.
         drive: the measured beam motion.
         ball: the ball's measured state.
+        reading_noise: standard deviation of a position reading, quantisation included [m].
         start: ball state at the start of the free run.
         horizons: the whole recording first, then windows.
     """
@@ -74,6 +74,7 @@ class Setting:
     acting: tuple[Acting, ...]
     drive: Drive
     ball: BallEstimate
+    reading_noise: float
     start: State
     horizons: tuple[Horizon, ...]
 
@@ -83,11 +84,6 @@ class Setting:
         others = self.case.identify if self.fitted is not None else ()
         names = dict.fromkeys((self.recording.name, *others))
         return tuple(self.case.recordings[name] for name in names if name in self.case.recordings)
-
-    @property
-    def reading_noise(self) -> float:
-        """Standard deviation of a position reading, quantisation included [m]."""
-        return _reading_noise(self.case, self.recording, self.ball)
 
     @property
     def time(self) -> FloatArray:
@@ -118,46 +114,6 @@ class Setting:
         return starts
 
 
-def drive_of(case: Case, recording: Recording) -> Drive:
-    """Smoothed beam motion of one recording, with the declared or inferred resolution of its angle sensor."""
-    resolution = case.sensors.angle_resolution or inferred_resolution(recording.angle)
-    return make_drive(recording.time, recording.angle, resolution=resolution, noise=case.sensors.angle_noise)
-
-
-def ball_of(case: Case, recording: Recording, drive: Drive, rig: Rig) -> BallEstimate:
-    """Smoothed ball state of one recording.
-
-    Raises:
-        InputError: fewer than three positions are known.
-    """
-    if int(recording.known.sum()) < _MIN_POSITIONS:
-        raise InputError(
-            f"{recording.path}: fewer than three ball positions are known, too few to estimate the start state; "
-            "check that its column is there and named ball_position_m, or choose another recording with --recording"
-        )
-    return estimate_ball(
-        recording.time,
-        recording.position,
-        drive,
-        rig,
-        noise=case.sensors.position_noise,
-        resolution=_position_resolution(case, recording),
-    )
-
-
-def _position_resolution(case: Case, recording: Recording) -> float | None:
-    return case.sensors.position_resolution or inferred_resolution(recording.position)
-
-
-def _reading_noise(case: Case, recording: Recording, ball: BallEstimate) -> float:
-    rounding = (_position_resolution(case, recording) or 0.0) / math.sqrt(12.0)
-    return math.hypot(ball.noise, rounding)
-
-
-def _observe(case: Case, recording: Recording, drive: Drive, ball: BallEstimate) -> Observed:
-    return Observed(drive, ball, recording.position, _reading_noise(case, recording, ball))
-
-
 def prepare(case: Case, choices: Choices) -> Setting:
     """Prepares the comparison of one recording.
 
@@ -165,42 +121,26 @@ def prepare(case: Case, choices: Choices) -> Setting:
         InputError: the recording is not in the case or has no positions, the rig cannot be completed, or a declared
             effect is not in the catalogue.
     """
-    effects = _declared(case)
+    effects = declared_effects(case)
     recording = _choose(case, choices.recording)
-    drive = drive_of(case, recording)
-    rough = rough_rig(case.rig)
-    ball = ball_of(case, recording, drive, rough)
-    requested = choices.level_angle
-    if isinstance(requested, float):
-        try:
-            rough = rough.with_(level_angle=requested)
-        except RigError as error:
-            raise InputError(f"--level-angle: {error}") from error
-    level = requested == "estimate" or (requested is None and case.rig.level_angle is None and bool(missing(case.rig)))
-
-    def observed() -> list[Observed]:
-        others = [case.recordings[name] for name in case.identify if name != recording.name]
-        found = [_observe(case, recording, drive, ball)]
-        for other in others:
-            if int(other.known.sum()) >= _MIN_POSITIONS:
-                motion = drive_of(case, other)
-                found.append(_observe(case, other, motion, ball_of(case, other, motion, rough)))
-        return found
-
-    rig, fitted, estimates = complete(case.rig, rough, observed, level=level)
-    if fitted is not None:
-        ball = ball_of(case, recording, drive, rig)  # again, relative to the estimated rig
+    completed = complete_rig(case, recording, choices.level_angle)
+    observed = observe(recording, case.sensors, completed.rig)
+    ball = observed.ball
     spans = tuple(horizons(recording.time, recording.known & ball.trusted, choices.lengths))
-    start = choices.start or ball.state(int(spans[0].first[0]))
-    return Setting(case, recording, choices, rig, fitted, tuple(estimates), effects, drive, ball, start, spans)
-
-
-def _declared(case: Case) -> tuple[Acting, ...]:
-    try:
-        return tuple(acting(one.name, one.parameters) for one in case.declared)
-    except EffectError as error:
-        own = "" if all(one.name in CATALOGUE for one in case.declared) else " Give a file of your own with --effects."
-        raise InputError(f"{case.path}: rig.toml, [[declared]]: {error}{own}") from error
+    return Setting(
+        case=case,
+        recording=recording,
+        choices=choices,
+        rig=completed.rig,
+        fitted=completed.fitted,
+        estimates=completed.estimates,
+        acting=effects,
+        drive=observed.drive,
+        ball=ball,
+        reading_noise=observed.noise,
+        start=choices.start or ball.state(int(spans[0].first[0])),
+        horizons=spans,
+    )
 
 
 def _choose(case: Case, name: str | None) -> Recording:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -77,6 +78,10 @@ class Study:
         names = [one.name for one in self.setting.horizons]
         return self.u_val[names.index(horizon.name)]
 
+    def floor(self, horizon: Horizon) -> float:
+        """RMS of u_val on one horizon [m]: the expected error of a perfect model."""
+        return float(np.sqrt(np.nanmean(self.u_val_of(horizon) ** 2)))
+
 
 def study(
     setting: Setting,
@@ -126,14 +131,13 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
     information about a model. If no horizon passes, the shortest is returned.
     """
     position = setting.ball.position
-    for horizon, u in zip(
-        (setting.horizons[0], *reversed(setting.horizons[1:])), (u_val[0], *reversed(u_val[1:])), strict=True
-    ):
+    longest_first = sorted(zip(setting.horizons, u_val, strict=True), key=lambda each: -(each[0].seconds or math.inf))
+    for horizon, u in longest_first:
         ends = np.array([u[i, last] for i, last in enumerate(horizon.last)])
         motion = np.array([np.std(position[where]) for where in horizon.slices()])
         if rms(ends) < rms(motion):
             return horizon
-    return setting.horizons[-1] if len(setting.horizons) == 1 else setting.horizons[1]
+    return longest_first[-1][0]
 
 
 def _score(setting: Setting, run: SourceRuns, u_val: FloatArray) -> Score:

@@ -1,4 +1,4 @@
-"""The diagnosis: identify what acts, validate it, compare it with baselines, and propose the next experiment."""
+"""The diagnosis: identify missing physics, validate it, compare it with baselines, propose the next experiment."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.identify.design.choose import pairs_of, reveal, separate
+from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
 from harness.identify.design.proposal import Proposal
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.selection.candidates import hidden_by
@@ -24,16 +24,16 @@ from harness.identify.validation.held_out import (
 from harness.identify.verdict import Identification, Verdict, identify
 from harness.progress import Progress, Stage, silent
 
-# Where each stage begins and ends as a share of the whole time, and about how many texts it tells: of a rig with one
-# hidden effect and two recordings of 8 s, on two cores.
-_SEARCH = (0.1, 0.5, 60.0)
+# Begin and end of each stage as shares of the whole time, and its usual number of progress texts: measured for a rig
+# with one hidden effect and two recordings of 8 s, on two cores.
+_SEARCH = (0.1, 0.5, 30.0)
 _VALIDATION = (0.5, 0.7, 5.0)
 _ENGINES = (0.7, 0.95, 10.0)
 
 
 @dataclass(frozen=True)
 class Another:
-    """Errors before and after on a recording that nothing was fitted to, and those of the engines."""
+    """Errors before and after on a recording that nothing was fitted to, of the model and of the engines."""
 
     errors: BeforeAfter
     engines: Mapping[str, Mapping[str, Any]]
@@ -41,15 +41,15 @@ class Another:
 
 @dataclass(frozen=True)
 class Diagnosis(Identification):
-    """What the recordings say, and what it is worth.
+    """The identification with its validation.
 
     Attributes:
-        identify, heldout: errors before and after.
-        engines: the same in the engines' scenes, as in diagnosis.json.
+        identify, heldout: errors before and after, on the recordings fitted to and on held-out ones.
+        engines: the same for the engines, as in diagnosis.json.
         also: the same on further recordings, by name.
-        next_experiment: what would tell the most; none where nothing is left to be told, or the rig can do nothing.
-        baselines: comparison with models that know no physics; none where recordings are too short for it.
-        hidden: effects that no recording can show, because the rig file leaves open what they change.
+        next_experiment: the proposed experiment; `None` if no motion of the library would add to the result.
+        baselines: comparison with the baselines; `None` if the recordings are too short.
+        hidden: effects that cannot be separated from unknown rig quantities.
     """
 
     identify: BeforeAfter
@@ -69,27 +69,27 @@ def diagnose(
     length: float | None = None,
     jobs: int = 1,
 ) -> Diagnosis:
-    """Identify, validate, compare, propose.
+    """Identify, validate, compare with the baselines and propose the next experiment.
 
     Args:
-        progress: told what is being done.
-        also: further recordings, which nothing is fitted to and errors are told of.
+        progress: receives the progress texts.
+        also: further recordings, used for validation only.
         length: of the beam, where it is known [m]; the next experiment may use all of it.
-        jobs: processes for the engines' runs (`harness.parallel`); 1 for this one.
+        jobs: processes for the engines' runs (`harness.parallel`); 1 runs them in this process.
     """
     searching, validating, running = (Stage(progress, *stage) for stage in (_SEARCH, _VALIDATION, _ENGINES))
     identified = identify(problem, searching)
     base, found = identified.base, identified.found
     held = fit_folds(problem, base, found, validating)
     others = {
-        one.name: Another(
-            on_another(problem, base, found, one, validating),
-            engine_errors(HeldOut(problem, base, found, (one,)), progress=validating, jobs=jobs),
+        recording.name: Another(
+            on_another(problem, base, found, recording, validating),
+            engine_errors(HeldOut(problem, base, found, (recording,)), progress=validating, jobs=jobs),
         )
-        for one in also
+        for recording in also
     }
-    seen = HeldOut(problem, base, found, problem.recordings)
-    with engines_running(seen, held, running, jobs=jobs) as engines:
+    in_sample = HeldOut(problem, base, found, problem.recordings)
+    with engines_running(in_sample, held, running, jobs=jobs) as engines:
         return Diagnosis(
             **vars(identified),
             identify=on_identify(problem, base, found, validating),
@@ -103,11 +103,11 @@ def diagnose(
 
 
 def _next_experiment(identified: Identification, length: float | None, progress: Progress) -> Proposal | None:
-    """What tells the found from its rivals; where nothing was found, what shows most of what would go unseen."""
-    progress("the next experiment")
+    """The motion that best discriminates the fit from its rivals; without a finding, that detects most `unseen`."""
+    progress("design of the next experiment")
     problem, found = identified.problem, identified.found
     if identified.verdict in (Verdict.EFFECT, Verdict.UNLISTED):
-        rivals = {one.name: one.indistinguishable_from for one in identified.effects}
+        rivals = {effect.name: effect.indistinguishable_from for effect in identified.effects}
         pairs = pairs_of(found, identified.ledger, rivals, Criterion(problem.settings))
-        return separate(problem, found, pairs, length=length) if pairs else None
-    return reveal(problem, found, identified.unseen, length=length) if identified.unseen else None
+        return choose_to_discriminate(problem, found, pairs, length=length) if pairs else None
+    return choose_to_detect(problem, found, identified.unseen, length=length) if identified.unseen else None

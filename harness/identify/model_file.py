@@ -1,4 +1,4 @@
-"""A found model as JSON and back, so that another recording can be predicted from diagnosis.json alone."""
+"""The identified model as JSON and back, so that another recording can be predicted from diagnosis.json alone."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from harness.recording import Sensors
 
 
 def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
-    """Everything that a prediction needs."""
+    """The `model` part of diagnosis.json: everything that a prediction needs."""
     spline = found.hypothesis.spline
     return ModelRecord(
         rig=RigRecord.model_validate(problem.rig),
@@ -36,29 +36,29 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
 
 
 def rig_of(kept: ModelRecord) -> Rig:
-    """The rig of a record."""
+    """The rig of a `ModelRecord`."""
     return Rig(**kept.rig.model_dump())
 
 
-def read_model(kept: ModelRecord, record: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
-    """The problem and fit to predict `record` with.
+def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
+    """The problem and fit with which to predict `recording`.
 
     Args:
-        kept: as `model_record` wrote it.
+        kept: as `model_record` made it.
         origin: the file, for messages.
 
     Raises:
-        InputError: it is not what this version writes.
+        InputError: the content is not what this version writes, or an effect is not in the catalogue.
     """
     unknown = [name for name in kept.effects if name not in CATALOGUE]
     if unknown:
         raise InputError(
-            f"{origin}: found {unknown[0]}, which the catalogue does not have; give the file of an effect of your own "
-            "with --effects"
+            f"{origin}: the effect {unknown[0]} is not in the catalogue; give the file of an effect of your own with "
+            "--effects"
         )
     try:
         declared = tuple(acting(one.name, one.values) for one in kept.declared)
-        problem = Problem((record,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
+        problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
         hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else SplineTerm.of(kept.spline_term))
         theta = np.array(kept.parameters, dtype=float)
         covariance = np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta))
@@ -73,5 +73,5 @@ def read_model(kept: ModelRecord, record: PreparedRecording, origin: str) -> tup
         )
     except (IndexError, ValueError) as error:
         raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error
-    # The kept phases are those of other recordings: this one's is found from its own readings.
-    return replace(problem, recordings=(replace(record, name=""),) * kept.phases), found
+    # The phases φ₀ in the file belong to other recordings; that of this one is estimated from its own readings.
+    return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found

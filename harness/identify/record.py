@@ -28,11 +28,11 @@ def _null(value: Any) -> Any:
 
 
 Number = Annotated[Finite | None, BeforeValidator(_null)]
-"""A number that may not exist."""
+"""A number, or null if it is not finite."""
 
 
 class Part(BaseModel):
-    """A part of the record; it is read from JSON, or from the attributes of a dataclass."""
+    """A part of the record, read from JSON or from the attributes of a dataclass."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, from_attributes=True, populate_by_name=True, defer_build=True
@@ -49,12 +49,12 @@ class ParameterRecord(Part):
 
     @property
     def interval(self) -> tuple[float | None, float | None]:
-        """Low and high end of the 95 % interval; `None` where the recordings do not bound it."""
+        """Low and high end of the 95 % interval; `None` if the recordings do not bound it."""
         return self.low, self.high
 
 
 class EffectRecord(Part):
-    """An effect that was found; `effect["coefficient"]` is its parameter of that name."""
+    """An identified effect; `effect["coefficient"]` is its parameter of that name."""
 
     name: str
     parameters: dict[str, ParameterRecord]
@@ -65,7 +65,7 @@ class EffectRecord(Part):
 
 
 class ShapeRecord(Part):
-    """The nodes of an unlisted law: `values` [`unit`] at places `at` of what it depends on."""
+    """The nodes of a spline term: `values` [`unit`] at abscissae `at`, in the unit of its regressor."""
 
     at: tuple[Finite, ...]
     values: tuple[Finite, ...]
@@ -76,14 +76,14 @@ class ShapeRecord(Part):
 
 
 class UnlistedRecord(Part):
-    """A law that the catalogue does not list; what it depends on, strongest first."""
+    """An unlisted effect: its regressors, strongest first, and its spline term."""
 
     depends_on: tuple[DependsName, ...]
     spline: ShapeRecord
 
 
 class DependenceRecord(Part):
-    """Test of innovations against one input: p, the largest correlation and its lag."""
+    """Test of innovations against one input: p value, largest correlation and its lag."""
 
     p: Finite
     correlation: Number
@@ -97,7 +97,7 @@ class RmsRecord(Part):
 
 
 class ErrorsRecord(RmsRecord):
-    """Errors of CAM, and what its innovations still know."""
+    """Prediction errors of the model, and tests of its innovations."""
 
     innovation_correlation: Number
     innovation_over_noise: Number
@@ -105,27 +105,27 @@ class ErrorsRecord(RmsRecord):
 
 
 class BeforeAfterRecord(Part):
-    """Without and with what was found."""
+    """Errors without and with the identified terms."""
 
     before: ErrorsRecord
     after: ErrorsRecord
 
 
 class EngineErrorsRecord(RmsRecord):
-    """Errors of an engine's free runs; `failed` is its message where it failed."""
+    """Errors of an engine's free runs; `failed` is its message if it failed."""
 
     failed: str | None = None
 
 
 class EngineBeforeAfterRecord(Part):
-    """An engine without and with what was found."""
+    """Errors of an engine without and with the identified terms."""
 
     before: EngineErrorsRecord
     after: EngineErrorsRecord
 
 
 class EngineRecord(EngineBeforeAfterRecord):
-    """The same, on the recordings that it was found from and on held-out ones."""
+    """Errors of an engine on the recordings fitted to and on held-out ones."""
 
     heldout: EngineBeforeAfterRecord | None = None
 
@@ -137,7 +137,7 @@ class AlsoRecord(BeforeAfterRecord):
 
 
 class AllErrorsRecord(Part):
-    """Errors before and after; `engines_enter` says in words where in the engines' scenes each effect acts."""
+    """Errors before and after; `engines_enter` says in words how each term is injected into the engines."""
 
     identify: BeforeAfterRecord
     heldout: BeforeAfterRecord
@@ -147,7 +147,7 @@ class AllErrorsRecord(Part):
 
 
 class MarginRecord(Part):
-    """By how much the model errs less than a baseline [m]; `sure` beyond what the choice of windows may do."""
+    """Reduction of the RMS error from a baseline to the model [m]; `sure` if its interval is above zero."""
 
     value: Finite
     low: Finite
@@ -167,7 +167,7 @@ class BaselinesRecord(Part):
 
 
 class EvidenceRecord(Part):
-    """What a decision rests on beside its two fits (`harness.identify.selection.criterion.Evidence`), fits by name."""
+    """Evidence of a decision (`harness.identify.selection.criterion.Evidence`), with fits by name."""
 
     winner: str | None = None
     holder: str | None = None
@@ -179,7 +179,7 @@ class EvidenceRecord(Part):
 
 
 class LedgerLine(Part):
-    """One decision of the search; `fit` and `against` name the fits that were compared, `hash` covers the line."""
+    """One decision of the search; `fit` and `against` name the fits compared, `hash` covers the line."""
 
     effect: str
     tried: tuple[str, ...]
@@ -195,7 +195,7 @@ class LedgerLine(Part):
 
 
 class SplineTermRecord(Part):
-    """A spline term but for the values of its nodes."""
+    """A spline term without the values of its nodes."""
 
     depends: DependsName
     friction: bool
@@ -205,14 +205,14 @@ class SplineTermRecord(Part):
 
 
 class FittedEffect(Part):
-    """An effect of a fit, with its law in a line."""
+    """An effect of a fit, with its law."""
 
     name: str
     law: str
 
 
 class FitRecord(Part):
-    """A fit of the ledger: hypothesis, scaled parameters, and how well it predicts."""
+    """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion."""
 
     effects: tuple[FittedEffect, ...]
     spline_term: SplineTermRecord | None
@@ -223,14 +223,14 @@ class FitRecord(Part):
 
 
 class SourcesRecord(Part):
-    """SHA-256 of every input file, and versions of the software."""
+    """SHA-256 of every input file and versions of the software."""
 
     hashes: dict[str, str]
     versions: dict[str, str]
 
 
 class InputsRecord(SourcesRecord):
-    """The same with the further recordings (`also`) and the seed of the draws."""
+    """Sources with the further recordings (`also`) and the seed of the random draws."""
 
     also: dict[str, str]
     seed: int
@@ -251,7 +251,7 @@ class RigRecord(Part):
 
 
 class SensorsRecord(Part):
-    """What is known of the sensors, as `harness.recording.Sensors`."""
+    """Known properties of the sensors, as `harness.recording.Sensors`."""
 
     angle_resolution: Number = None
     angle_noise: Number = None
@@ -260,14 +260,14 @@ class SensorsRecord(Part):
 
 
 class ActingRecord(Part):
-    """A declared effect with its values."""
+    """A known effect with its values."""
 
     name: str
     values: dict[str, Finite]
 
 
 class ProblemRecord(Part):
-    """What determines every fit and decision."""
+    """The inputs of every fit and decision."""
 
     inputs: SourcesRecord
     recordings: tuple[str, ...]
@@ -296,7 +296,7 @@ class ModelRecord(Part):
 
 
 class LedgerRecord(Part):
-    """The search: every decision, the fits that were compared, and the problem that they are fits to."""
+    """The search: every decision, the fits that were compared, and their problem."""
 
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]
@@ -304,7 +304,7 @@ class LedgerRecord(Part):
 
 
 class SeparationRecord(Part):
-    """How far two explanations are apart [σ]."""
+    """Separation of the identified model from a rival [σ]."""
 
     found: str
     rival: str
@@ -315,7 +315,7 @@ class SeparationRecord(Part):
 
 
 class LimitsRecord(Part):
-    """What the rig is taken to be able to do."""
+    """The operating envelope."""
 
     ball_position_m: tuple[Finite, Finite]
     beam_angle_rad: Finite
@@ -324,7 +324,7 @@ class LimitsRecord(Part):
 
 
 class NextExperimentRecord(Part):
-    """The experiment that would tell the most; its beam angle is in `file`."""
+    """The proposed next experiment; its beam angle is in `file`."""
 
     profile: str
     does: str
@@ -357,12 +357,12 @@ class DiagnosisRecord(Part):
     wall_time_s: Finite
 
     def text(self) -> str:
-        """The file's content."""
+        """Content of the file."""
         return self.model_dump_json(by_alias=True, indent=2)
 
 
 def read_record(path: Path) -> DiagnosisRecord:
-    """Reads a diagnosis.json, or that of a folder.
+    """Read a diagnosis.json, or the one in a folder.
 
     Raises:
         InputError: it cannot be read, or is not what this version writes.
@@ -393,7 +393,7 @@ def read_record(path: Path) -> DiagnosisRecord:
 
 
 def schema_text() -> str:
-    """The format's JSON Schema."""
+    """JSON Schema of the format."""
     schema = DiagnosisRecord.model_json_schema(by_alias=True, mode="serialization")
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": FILE}
     return json.dumps(head | schema | {"title": FILE}, indent=2, ensure_ascii=False) + "\n"

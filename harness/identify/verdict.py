@@ -1,4 +1,4 @@
-"""The verdict: nothing, an effect, something that no catalogue lists, or that these recordings cannot tell."""
+"""The verdict: no missing physics, effects of the catalogue, an unlisted effect, or not identifiable."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.selection.candidates import candidates, found_in
+from harness.identify.selection.candidates import candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
 
 
 class Verdict(StrEnum):
-    """First-class answers; names as in diagnosis.json."""
+    """Verdicts; names as in diagnosis.json."""
 
     NONE = "none"
     EFFECT = "effect"
@@ -37,7 +37,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class IdentifiedEffect:
-    """An effect that acts: its parameters by name, and the effects that it cannot be told from."""
+    """An identified effect: its parameters by name, and the effects that are indistinguishable from it."""
 
     name: str
     parameters: Mapping[str, Estimate]
@@ -46,13 +46,13 @@ class IdentifiedEffect:
 
 @dataclass(frozen=True)
 class Identification:
-    """What was identified, before anything is validated.
+    """Result of the identification, before validation.
 
     Attributes:
-        problem: what was looked at.
+        problem: the problem that was identified.
         verdict: the answer.
-        effects: that act beside the known ones.
-        base, found: fits without and with what was found.
+        effects: identified effects beside the known ones.
+        base, found: fits without and with the selected terms.
         ledger: every decision.
         unseen: effects whose typical size is below the detection limit of these recordings.
     """
@@ -72,33 +72,33 @@ class Identification:
 
     @property
     def depends_on(self) -> tuple[Regressor, ...]:
-        """What an unlisted law depends on, strongest first; nothing without one.
+        """Regressors of the unlisted effect, strongest first; empty without a spline term.
 
-        First what the spline term depends on, then what any other one does whose BIC is within its threshold of the
-        best: that would not have decided. A friction follows the sign of the velocity beside its own argument.
+        First those of the selected spline term, then those of any other whose BIC is within `spline_keep` of the best.
+        A friction term also depends on the velocity, by its sign.
         """
         best = self.found.hypothesis.spline
         if best is None:
             return ()
         criterion = Criterion(self.problem.settings)
-        tried = [one.fit for one in self.ledger if one.rule is Rule.SPLINE]
-        lowest = min((criterion.value(one) for one in tried), default=criterion.value(self.found))
-        near = [one for one in tried if criterion.value(one) - lowest <= self.problem.settings.spline_keep]
-        shapes = [best, *(one.hypothesis.spline for one in sorted(near, key=criterion.value))]
-        return tuple(dict.fromkeys(on for spline in shapes if spline is not None for on in _arguments(spline)))
+        fits = [line.fit for line in self.ledger if line.rule is Rule.SPLINE]
+        lowest = min((criterion.value(fit) for fit in fits), default=criterion.value(self.found))
+        rivals = [fit for fit in fits if criterion.value(fit) - lowest <= self.problem.settings.spline_keep]
+        splines = [best, *(fit.hypothesis.spline for fit in sorted(rivals, key=criterion.value))]
+        return tuple(dict.fromkeys(regressor for spline in splines if spline for regressor in _regressors(spline)))
 
 
 def identify(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Identification:
-    """Find what acts, and judge it: what `harness diagnose` says, and what the blind trials calibrate."""
+    """Select the missing terms and give the verdict, as `harness diagnose` reports and blind trials calibrate it."""
     return judge(problem, search(problem, progress))
 
 
 def judge(problem: Problem, selection: Selection) -> Identification:
-    """The verdict on what was selected."""
+    """The verdict on a selection, with the intervals of the parameters."""
     criterion = Criterion(problem.settings)
     found = with_interval_covariance(problem, selection.found)
     unseen = _unseen(problem, selection.ledger, criterion)
-    names = found_in(problem, found)
+    names = selected_effects(problem, found)
     if found.hypothesis.spline is not None:
         verdict = Verdict.UNLISTED
     elif names:
@@ -122,18 +122,18 @@ def judge(problem: Problem, selection: Selection) -> Identification:
 
 def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line]) -> IdentifiedEffect:
     deviations = found.deviations()
-    (acting,) = (one for one in found.terms.effects if one.effect.name == name)
+    (acting,) = (term for term in found.terms.effects if term.effect.name == name)
     parameters = {}
     for parameter in acting.effect.parameters:
         value = acting.values[parameter.name]
-        reach = TWO_SIDED * problem.settings.inflation * float(deviations[name, parameter.name])
-        parameters[parameter.name] = Estimate(value, value - reach, value + reach, parameter.unit)
+        half = TWO_SIDED * problem.settings.inflation * float(deviations[name, parameter.name])
+        parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
     rivals = _rivals(name, found, ledger, Criterion(problem.settings))
     return IdentifiedEffect(name, parameters, tuple(sorted(rivals)))
 
 
 def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> set[str]:
-    """What does nearly as well in the place of an effect, or did before it was split and another took that place."""
+    """Effects indistinguishable from `name`: tried in its place, or replaced by it in a split or merge."""
     rest = set(found.hypothesis.names) - {name}
     rivals: set[str] = set()
     for line in ledger:
@@ -146,20 +146,20 @@ def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion)
 
 
 def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
-    """Effects of which a typical size is below the detection limit."""
+    """Effects whose typical size is below the detection limit."""
     latest = {line.title: line for line in ledger if line.fit.hypothesis.spline is None and not line.kept}
     unseen = []
     for name, line in latest.items():
-        tried = [one.effect for one in line.fit.terms.effects if one.effect.name == name]
-        if not tried:
+        effect = next((term.effect for term in line.fit.terms.effects if term.effect.name == name), None)
+        if effect is None:
             continue
-        key = tried[0].parameters[0]
-        error = problem.settings.inflation * line.fit.deviations()[name, key.name]
-        limit = criterion.detection_limit(line.fit.readings, len(tried[0].parameters))
-        if not error or key.size(problem.rig) / error < limit:
+        main = effect.parameters[0]
+        error = problem.settings.inflation * line.fit.deviations()[name, main.name]
+        limit = criterion.detection_limit(line.fit.readings, len(effect.parameters))
+        if not error or main.size(problem.rig) / error < limit:
             unseen.append(name)
     return tuple(unseen)
 
 
-def _arguments(spline: SplineTerm) -> list[Regressor]:
+def _regressors(spline: SplineTerm) -> list[Regressor]:
     return [spline.depends, Regressor.VELOCITY] if spline.friction else [spline.depends]

@@ -6,9 +6,9 @@ describes each metric, its unit, and which values are better.
 """
 
 from harness.metrics.catalogue import METRICS, Better, Metric, Score, find_metric
+from harness.metrics.errors import validation_uncertainty
 from harness.metrics.run_comparison import RunComparison
 from harness.metrics.score import TOLERANCE, WHOLE, horizon_name, score
-from harness.metrics.validation import validation_uncertainty
 
 __all__ = [
     "METRICS",

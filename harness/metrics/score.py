@@ -6,15 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from analytic.motion import FloatArray
+from harness.metrics.bootstrap import rms_standard_error
 from harness.metrics.catalogue import Score
-from harness.metrics.displacement import fit_percent, fraction_outside, max_error, rms_error
+from harness.metrics.errors import (
+    fit_percent,
+    fraction_outside,
+    fraction_within_uncertainty,
+    max_error,
+    rms_error,
+    rms_error_over_uncertainty,
+)
 from harness.metrics.iso18571 import Rating, even_grid, rank, rate
 from harness.metrics.lag import lag
-from harness.metrics.pooling import rms_standard_error
 from harness.metrics.run_comparison import RunComparison, trapezoid_weights
 from harness.metrics.time_history import absolute_integral, sprague_geers
-from harness.metrics.validation import fraction_within_uncertainty, rms_error_over_uncertainty
 
 TOLERANCE = 0.010  # half width of the tube [m]: the paper's best model stays within 9 mm (Table 2)
 WHOLE = "whole"
@@ -60,13 +65,13 @@ def score(
     weights = np.concatenate([trapezoid_weights(run.time[run.valid]) for run in runs])
     velocity_error = np.concatenate([run.velocity_error for run in runs])
     velocity_weights = np.concatenate([trapezoid_weights(run.time[run.velocity_valid]) for run in runs])
-    displacements = [run.displacement for run in runs]
-    deviation = np.concatenate([m - np.mean(m) for m, _ in displacements])
-    agreement = sprague_geers(
-        np.concatenate([m for m, _ in displacements]), np.concatenate([c for _, c in displacements]), weights
-    )
-    rating = _median_rating(runs)
-    uncertainty = _uncertainty(runs)
+    measured, model = zip(*(run.displacement for run in runs), strict=True)
+    deviation = np.concatenate([one - np.mean(one) for one in measured])
+    agreement = sprague_geers(np.concatenate(measured), np.concatenate(model), weights)
+    ratings = [rate(*even_grid(run.time[run.valid], *run.displacement)) for run in runs]
+    rating = Rating(*(_median(column) for column in zip(*ratings, strict=True)))
+    known = [run.uncertainty[run.valid] for run in runs if run.uncertainty is not None]
+    uncertainty = np.concatenate(known) if len(known) == len(runs) else np.full(error.size, np.nan)
     return Score(
         source=source,
         horizon=horizon,
@@ -83,33 +88,18 @@ def score(
         max_velocity_error_m_s=max_error(velocity_error),
         rms_velocity_error_m_s=rms_error(velocity_error),
         e_vel_m=absolute_integral(velocity_error, velocity_weights),
-        sprague_geers_magnitude=agreement.magnitude,
-        sprague_geers_phase=agreement.phase,
-        sprague_geers_combined=agreement.combined,
+        **{f"sprague_geers_{name}": value for name, value in agreement._asdict().items()},
         lag_ms=1e3 * _median([lag(r.time[r.valid], r.measured[r.valid], r.time, r.model) for r in runs]),
         iso18571_rating=rating.overall,
-        iso18571_corridor=rating.corridor,
-        iso18571_phase=rating.phase,
-        iso18571_magnitude=rating.magnitude,
-        iso18571_slope=rating.slope,
+        **{f"iso18571_{name}": value for name, value in rating._asdict().items() if name != "overall"},
         iso18571_rank=rank(rating.overall),
         tolerance_m=tolerance,
         fraction_outside_tube=fraction_outside(error, tolerance),
-        rms_error_over_uncertainty=np.nan if uncertainty is None else rms_error_over_uncertainty(error, uncertainty),
-        fraction_within_uncertainty=np.nan if uncertainty is None else fraction_within_uncertainty(error, uncertainty),
+        rms_error_over_uncertainty=rms_error_over_uncertainty(error, uncertainty),
+        fraction_within_uncertainty=fraction_within_uncertainty(error, uncertainty),
     )
 
 
 def _median(values: Sequence[float]) -> float:
     known = [value for value in values if not np.isnan(value)]
     return float(np.median(known)) if known else np.nan
-
-
-def _median_rating(runs: Sequence[RunComparison]) -> Rating:
-    ratings = [rate(*even_grid(run.time[run.valid], *run.displacement)) for run in runs]
-    return Rating(*(_median(column) for column in zip(*ratings, strict=True)))
-
-
-def _uncertainty(runs: Sequence[RunComparison]) -> FloatArray | None:
-    known = [run.uncertainty[run.valid] for run in runs if run.uncertainty is not None]
-    return np.concatenate(known) if len(known) == len(runs) else None

@@ -7,12 +7,14 @@ These are estimated; quantities that no trajectory identifies are assumed, becau
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
 
-from analytic.rig import SOLID_SPHERE, Rig
+from analytic.rig import SOLID_SPHERE, Rig, RigError
 from harness.errors import InputError
-from harness.preparation.rig_estimate import Estimate, Fitted, Observed, fit_unknown
-from harness.recording import KnownRig
+from harness.preparation.recordings import MIN_POSITIONS, observe
+from harness.preparation.rig_estimate import Estimate, Fitted, fit_unknown
+from harness.recording import Case, KnownRig, Recording
 
 _MAX_LEVER_STD = 0.02  # largest standard error of an estimated lever that is used [m]
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
@@ -44,32 +46,49 @@ def rough_rig(known: KnownRig) -> Rig:
     )
 
 
-def complete(
-    known: KnownRig, rough: Rig, observed: Callable[[], Sequence[Observed]], *, level: bool
-) -> tuple[Rig, Fitted | None, list[Estimate]]:
-    """Replaces the guesses in `rough` by estimates from the recordings.
+@dataclass(frozen=True)
+class CompletedRig:
+    """A complete rig.
+
+    Attributes:
+        rig: with estimates and assumptions where the rig file has nothing.
+        fitted: K, ℓ, α₀ and their covariance; `None` if nothing had to be estimated.
+        estimates: all estimated or assumed quantities.
+    """
+
+    rig: Rig
+    fitted: Fitted | None
+    estimates: tuple[Estimate, ...]
+
+
+def complete_rig(case: Case, first: Recording, level_angle: float | Literal["estimate"] | None = None) -> CompletedRig:
+    """Completes a case's rig by estimates from its recordings, and by assumptions.
 
     Args:
-        known: quantities given in the rig file.
-        rough: the rig completed by `rough_rig`.
-        observed: returns the recordings for the estimation; called only if something has to be estimated.
-        level: whether to estimate α₀ too.
-
-    Returns:
-        The complete rig, the fit (`None` if nothing had to be estimated), and all estimated or assumed quantities.
+        case: the rig file and the recordings for identification.
+        first: recording that is used in any case.
+        level_angle: α₀ [rad]; "estimate"; `None` for that of rig.toml, or 0 if it has none and the rig is known.
 
     Raises:
-        InputError: the estimated K is implausibly small.
+        InputError: the level angle is impossible, `first` has no positions, or the estimated K is implausibly small.
     """
-    assumed = [
+    known, rough, wanted = case.rig, rough_rig(case.rig), missing(case.rig)
+    level = level_angle == "estimate" or (level_angle is None and known.level_angle is None and bool(wanted))
+    if isinstance(level_angle, float):
+        try:
+            rough = rough.with_(level_angle=level_angle)
+        except RigError as error:
+            raise InputError(f"--level-angle: {error}") from error
+    assumed = tuple(
         _assumed(label, getattr(rough, name), unit, "trajectories depend on it only through K, ℓ and g")
         for name, (label, unit) in _LABELS.items()
         if name in known.unknown
-    ]
-    wanted = missing(known)
+    )
     if not (wanted or level):
-        return rough, None, assumed
-    records = observed()
+        return CompletedRig(rough, None, assumed)
+    others = (case.recordings[name] for name in case.identify if name != first.name)
+    used = (first, *(one for one in others if int(one.known.sum()) >= MIN_POSITIONS))
+    records = [observe(one, case.sensors, rough) for one in used]
     ratio, lever = "ratio" in wanted, "lever" in wanted
     fitted = fit_unknown(records, rough, ratio=ratio, level=level, lever=lever)
     if fitted.ratio < _MIN_ROLLING_RATIO:
@@ -97,7 +116,7 @@ def complete(
         estimates.append(_assumed("eccentricity h", 0.0, "m", "the α̈ term is too weak to estimate it"))
     if level:
         estimates.append(Estimate("level angle α₀", fitted.level, fitted.std[1], "rad", how))
-    return rig, fitted, [*estimates, *assumed]
+    return CompletedRig(rig, fitted, (*estimates, *assumed))
 
 
 def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float) -> tuple[Rig, Estimate]:

@@ -26,10 +26,9 @@ from scipy.special import erf
 from analytic.kernel import Grid
 from analytic.motion import FloatArray
 from analytic.rig import Rig
+from harness.preparation.recordings import Observed
 from harness.preparation.whitening import innovations
 from harness.signals import smooth
-from harness.signals.ball_state import BallEstimate
-from harness.signals.drive import Drive
 from harness.signals.prescribed import integrate_twice, nodes
 
 # Speed below which a ball is held if friction exceeds the driving force [m/s]: the error of the smoothed velocity where
@@ -53,23 +52,6 @@ class Estimate:
     std: float
     unit: str
     how: str
-
-
-@dataclass(frozen=True)
-class Observed:
-    """One recording, prepared for the estimation.
-
-    Attributes:
-        motion: of the beam.
-        ball: smoothed state of the ball, from the rough rig.
-        position: readings, shape (n,), NaN if unknown [m].
-        noise: standard deviation of a reading, quantisation included [m].
-    """
-
-    motion: Drive
-    ball: BallEstimate
-    position: FloatArray
-    noise: float
 
 
 @dataclass(frozen=True)
@@ -135,10 +117,10 @@ class _Linearised:
     """
 
     def __init__(self, one: Observed, rig: Rig) -> None:
-        self.motion, self.rig = one.motion, rig
+        self.drive, self.rig = one.drive, rig
         self.time, self.grid = one.ball.time, Grid.over(one.ball.time)
-        self.nodes, self.table = nodes(self.grid), self.grid.tabulate(one.motion)
-        self.reading = np.where(one.ball.trusted, one.position, 0.0)
+        self.nodes, self.table = nodes(self.grid), self.grid.tabulate(one.drive)
+        self.reading = np.where(one.ball.trusted, one.recording.position, 0.0)
         self.variance = np.where(one.ball.trusted, one.noise**2, np.inf)
         self.position, self.velocity = one.ball.position, one.ball.velocity
         self.velocity_std = np.sqrt(one.ball.covariance[:, 1, 1])
@@ -180,7 +162,7 @@ class _Linearised:
     def displacements(self, seed: int) -> FloatArray:
         """Displacement of the ball by drawn errors of the angle, shape (n, draws) [m]."""
         shifts = []
-        for path in self.motion.draw(_DRAWS, seed):
+        for path in self.drive.draw(_DRAWS, seed):
             angle, _, angular = (self.grid.tabulate(path) - self.table).T
             shifts.append(
                 integrate_twice(self.grid, self.moves * (self.angle_gain * angle - self.angular_gain * angular))[0]

@@ -52,6 +52,22 @@ class Case:
     findings: tuple[DataFinding, ...]
     sha256: str | None
 
+    @property
+    def name(self) -> str:
+        """For headings and folders."""
+        return case_name(self.path)
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the recordings are simulated, not measured, according to their origin."""
+        return (self.origin or "").lower().startswith("simulated")
+
+
+def case_name(path: Path) -> str:
+    """Name of the case at `path`: of its folder, or of its recording."""
+    path = path.resolve()
+    return path.parent.name if path.name == RIG_FILE else path.stem
+
 
 def load_case(path: str | Path) -> Case:
     """Reads a case: a folder, its `rig.toml`, or a single CSV recording.
@@ -85,7 +101,7 @@ def _with_rig_file(path: Path, file: Path) -> Case:
             if content.identify is not None:
                 raise
             raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
-    findings += [*_duplicates(recordings, (*identify, *predict), file.name), *_without_positions(recordings, identify)]
+    findings += _duplicates(recordings, (*identify, *predict), file.name)
     return Case(
         path=path,
         origin=content.origin,
@@ -95,7 +111,7 @@ def _with_rig_file(path: Path, file: Path) -> Case:
         recordings=recordings,
         identify=identify,
         predict=predict,
-        findings=(*content.findings, *findings, *_all_findings(recordings)),
+        findings=(*content.findings, *findings, *_of_recordings(recordings, identify)),
         sha256=content.sha256,
     )
 
@@ -104,27 +120,23 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     rig = known_rig_of(Rig())
     recordings = {file.name: load_recording(file, rig=rig) for file in files}
     where = path.resolve().name  # "." has no name of its own
-    beside = path.is_file() and (path.parent / RIG_FILE).exists()
-    findings = [
-        DataFinding("warning", where, RIG_FILE_NOT_USED)
-        if beside
-        else DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE),
-        *_duplicates(recordings, tuple(recordings), where),
-    ]
+    if path.is_file() and (path.parent / RIG_FILE).exists():
+        about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED)
+    else:
+        about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE)
     identify = tuple(recordings)
-    sensors = Sensors(
-        angle_resolution=_coarsest(recordings, "angle"), position_resolution=_coarsest(recordings, "position")
-    )
     return Case(
         path=path,
         origin=None,
         rig=rig,
-        sensors=sensors,
+        sensors=Sensors(
+            angle_resolution=_coarsest(recordings, "angle"), position_resolution=_coarsest(recordings, "position")
+        ),
         declared=(),
         recordings=recordings,
         identify=identify,
         predict=(),
-        findings=(*findings, *_without_positions(recordings, identify), *_all_findings(recordings)),
+        findings=(about_rig, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
         sha256=None,
     )
 
@@ -179,19 +191,11 @@ def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where
     return findings
 
 
-def _without_positions(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
-    return [
-        DataFinding(
-            "warning", recordings[name].name, "contains no ball positions; it cannot be used for identification."
-        )
-        for name in identify
-        if not recordings[name].known.any()
-    ]
-
-
-def _all_findings(recordings: dict[str, Recording]) -> list[DataFinding]:
-    """Findings of every recording, located by the name under which the recording is listed."""
-    return [
+def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
+    """Recordings without positions, then findings of each, located by the name under which it is listed."""
+    text = "contains no ball positions; it cannot be used for identification."
+    without = [recordings[name].name for name in identify if not recordings[name].known.any()]
+    return [DataFinding("warning", name, text) for name in without] + [
         replace(finding, where=name + finding.where.removeprefix(recording.name))
         for name, recording in recordings.items()
         for finding in recording.findings

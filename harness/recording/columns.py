@@ -72,20 +72,21 @@ QUANTITIES: Mapping[QuantityName, Quantity] = {
 
 @dataclass(frozen=True)
 class Column:
-    """A column assigned to a quantity: its index, its header as written, its conversion factor to SI."""
+    """A column assigned to a quantity.
+
+    Attributes:
+        index: of the column.
+        header: as written.
+        factor: conversion to SI.
+        unit: as written; empty if there is none.
+        rank: 0 for the standard name, 1 for another unit, 2 for an alias.
+    """
 
     index: int
     header: str
     factor: float
-
-
-@dataclass(frozen=True)
-class _Match:
-    """A column whose header matches a quantity; `rank` 0: standard name, 1: another unit, 2: an alias."""
-
+    unit: str
     rank: int
-    unit: str | None
-    column: Column
 
 
 def find_columns(
@@ -107,46 +108,36 @@ def find_columns(
         raise InputError(f"{where}: column {quoted(repeated)} occurs more than once. Rename or delete one of them.")
     found: dict[QuantityName, Column] = {}
     findings: list[DataFinding] = []
-    header_place = place(path.name, header_row)
     for name, quantity in QUANTITIES.items():
-        matches = [match for index in range(len(header)) if (match := _match(quantity, header[index], index))]
+        matches = [one for index in range(len(header)) if (one := _match(quantity, header[index], index))]
         if not matches:
             continue
-        best = min(match.rank for match in matches)
-        chosen = [match for match in matches if match.rank == best]
-        if len(chosen) > 1:
-            names = quoted([match.column.header for match in chosen])
+        chosen, *others = [one for one in matches if one.rank == min(match.rank for match in matches)]
+        if others:
             raise InputError(
-                f"{where}: {names} all match the {name}. Name the right one {quantity.column} "
-                "and rename or delete the others."
+                f"{where}: {quoted([one.header for one in (chosen, *others)])} all match the {name}. Name the right "
+                f"one {quantity.column} and rename or delete the others."
             )
-        found[name] = chosen[0].column
-        if chosen[0].unit is None:
-            findings.append(
-                DataFinding(
-                    "note",
-                    place(path.name, header_row, chosen[0].column.header),
-                    f"has no unit and is read as {quantity.column}; add the unit to the name.",
-                )
-            )
+        found[name] = chosen
+        if not chosen.unit:
+            text = f"has no unit and is read as {quantity.column}; add the unit to the name."
+            findings.append(DataFinding("note", place(path.name, header_row, chosen.header), text))
     unused = [name for index, name in enumerate(header) if index not in {column.index for column in found.values()}]
     _refuse_missing(where, header, unused, found)
     if unused:
-        findings.append(DataFinding("note", header_place, f"columns not used: {quoted(unused)}."))
+        findings.append(DataFinding("note", place(path.name, header_row), f"columns not used: {quoted(unused)}."))
     return found, findings
 
 
-def _match(quantity: Quantity, header: str, index: int) -> _Match | None:
+def _match(quantity: Quantity, header: str, index: int) -> Column | None:
     words = _words(header)
     names = (quantity.name.replace("_", ""), *quantity.others)
     for taken in (2, 1, 0):
         name, unit = "".join(words[: len(words) - taken]), "_".join(words[len(words) - taken :])
         if name not in names or (taken and unit not in quantity.units):
             continue
-        column = Column(index, header, quantity.units[unit] if taken else 1.0)
-        if name != names[0]:
-            return _Match(2, unit or None, column)
-        return _Match(0 if unit == quantity.si else 1, unit or None, column)
+        rank = 2 if name != names[0] else 0 if unit == quantity.si else 1
+        return Column(index, header, quantity.units[unit] if taken else 1.0, unit, rank)
     return None
 
 

@@ -9,6 +9,21 @@ from harness.errors import InputError
 
 NEEDED = ("mass", "inertia", "radius", "rolling_radius", "eccentricity", "gravity")
 """Quantities every model needs. The level angle is not required: it defaults to 0."""
+UNITS = {
+    "mass": "kg",
+    "inertia": "kg m²",
+    "radius": "m",
+    "rolling_radius": "m",
+    "eccentricity": "m",
+    "gravity": "m/s²",
+    "level_angle": "rad",
+    "length": "m",
+    "angle_resolution": "rad",
+    "angle_noise": "rad",
+    "position_noise": "m",
+    "position_resolution": "m",
+}
+"""Of the quantities of rig and sensors."""
 
 
 @dataclass(frozen=True, kw_only=True)

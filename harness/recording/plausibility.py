@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.resolution import inferred_resolution
 from harness.recording.tilt_response import TiltResponse, tilt_response
 
 PLAUSIBLE_SLOPE = (0.2, 1.5)  # K is 0.4 … 0.8; margin for friction, gain errors and noise, below any unit factor
 EXCHANGED_SLOPE = (0.4, 0.8)  # K of a rolling ball, without margin
 MIN_CORRELATION, MIN_T_VALUE = 0.8, 6.0  # of a conclusive regression
+STANDARD_GRAVITY = 9.81  # if the rig's is unknown [m/s²]
 MAX_ANGLE = 0.7  # 40°: beyond it balls leave their beams [rad]
 MAX_POSITION = 5.0  # [m]
 MAX_STEP = 1.0  # [s]
@@ -51,20 +53,26 @@ class Signals:
         angle: α, free of NaN [rad].
         position: s, NaN if unknown [m].
         outlier: true where the position is a spike.
-        gravity: g [m/s²].
-        length: beam length, if known [m].
-        angle_resolution: declared resolution, if known [rad].
-        position_resolution: declared resolution, if known [m].
+        rig: what is known of it.
+        sensors: what is declared of them.
     """
 
     time: FloatArray
     angle: FloatArray
     position: FloatArray
     outlier: NDArray[np.bool_]
-    gravity: float = 9.81
-    length: float | None = None
-    angle_resolution: float | None = None
-    position_resolution: float | None = None
+    rig: KnownRig = field(default_factory=KnownRig)
+    sensors: Sensors = field(default_factory=Sensors)
+
+    @property
+    def gravity(self) -> float:
+        """g [m/s²]."""
+        return self.rig.gravity or STANDARD_GRAVITY
+
+    @property
+    def positions(self) -> FloatArray:
+        """Known positions that are no spikes [m]."""
+        return self.position[np.isfinite(self.position) & ~self.outlier]
 
 
 def implausible(signals: Signals) -> list[str]:
@@ -148,7 +156,7 @@ def _implausible_magnitudes(signals: Signals) -> Iterator[str]:
             f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): if it is in degrees, name its column "
             "beam_angle_deg."
         )
-    positions = _valid_positions(signals)
+    positions = signals.positions
     if len(positions) and np.max(np.abs(positions)) > MAX_POSITION:
         yield (
             f"the position reaches {np.max(np.abs(positions)):.3g} m: if it is in millimetres or centimetres, "
@@ -157,45 +165,36 @@ def _implausible_magnitudes(signals: Signals) -> Iterator[str]:
 
 
 def _off_the_beam(signals: Signals) -> Iterator[str]:
-    positions = _valid_positions(signals)
-    if signals.length is None or not len(positions):
+    positions, length = signals.positions, signals.rig.length
+    if length is None or not len(positions):
         return
-    if np.ptp(positions) > signals.length or np.max(np.abs(positions)) > signals.length:
+    if np.ptp(positions) > length or np.max(np.abs(positions)) > length:
         yield (
             f"the ball's positions, {np.min(positions):.3g} to {np.max(positions):.3g} m, do not fit on a beam of "
-            f"{signals.length:.3g} m; check length_m and the position's unit and origin."
+            f"{length:.3g} m; check length_m and the position's unit and origin."
         )
-
-
-def _valid_positions(signals: Signals) -> FloatArray:
-    return signals.position[np.isfinite(signals.position) & ~signals.outlier]
 
 
 def _constant(signals: Signals) -> Iterator[str]:
     if np.ptp(signals.angle) == 0.0:
         yield "the angle never changes; check that its sensor was connected."
-    positions = _valid_positions(signals)
+    positions = signals.positions
     if len(positions) > 1 and np.ptp(positions) == 0.0:
         yield "the position never changes; check that its sensor was connected."
 
 
 def _quantisation(signals: Signals) -> Iterator[str]:
     for name, unit, values, declared in (
-        ("angle", "rad", signals.angle, signals.angle_resolution),
-        ("position", "m", signals.position, signals.position_resolution),
+        ("angle", "rad", signals.angle, signals.sensors.angle_resolution),
+        ("position", "m", signals.position, signals.sensors.position_resolution),
     ):
         if declared is None or len(np.unique(values[np.isfinite(values)])) < MIN_LEVELS:
             continue
         seen = inferred_resolution(values)
-        if seen is None:
+        if seen is None or 1.0 / RESOLUTION_TOLERANCE <= seen / declared <= RESOLUTION_TOLERANCE:
             continue
-        if seen > declared * RESOLUTION_TOLERANCE:
-            yield (
-                f"the {name} changes in steps of {seen:.4g} {unit}, coarser than the declared {declared:.4g} {unit}; "
-                f"correct {name}_resolution_{unit} or record with more digits."
-            )
-        elif seen < declared / RESOLUTION_TOLERANCE:
-            yield (
-                f"the {name} changes in steps of {seen:.4g} {unit}, finer than the declared {declared:.4g} {unit}; "
-                f"correct {name}_resolution_{unit}."
-            )
+        relation, remedy = ("coarser", " or record with more digits") if seen > declared else ("finer", "")
+        yield (
+            f"the {name} changes in steps of {seen:.4g} {unit}, {relation} than the declared {declared:.4g} {unit}; "
+            f"correct {name}_resolution_{unit}{remedy}."
+        )

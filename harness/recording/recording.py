@@ -13,7 +13,7 @@ from harness.recording.columns import QuantityName, find_columns
 from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
-from harness.recording.plausibility import Signals, implausible
+from harness.recording.plausibility import STANDARD_GRAVITY, Signals, implausible
 from harness.recording.resolution import inferred_resolution
 from harness.recording.sampling import (
     bridge_angle,
@@ -26,7 +26,6 @@ from harness.recording.source import read_source
 from harness.recording.table import numbers_of, read_table
 
 BEAM_ACCELERATION = 10.0  # g / 1 m: above it a ball one metre from the pivot lifts off [rad/s²]
-STANDARD_GRAVITY = 9.81  # for the plausibility checks if the rig's gravity is unknown [m/s²]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,23 +89,13 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     findings += [*merged, *bridged, *sampling_findings(path, time, rows)]
 
     rig, sensors = rig or KnownRig(), sensors or Sensors()
-    gravity = rig.gravity or STANDARD_GRAVITY
     resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
     steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level error and track slope may add a degree
-    outlier = spikes(time, position, resolution=resolution, acceleration=gravity * steepest)
+    outlier = spikes(time, position, resolution=resolution, acceleration=(rig.gravity or STANDARD_GRAVITY) * steepest)
     findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
     if "position" in columns:
         findings += _position_findings(path, columns["position"].header, position, outlier, rows)
-    signals = Signals(
-        time=time,
-        angle=angle,
-        position=position,
-        outlier=outlier,
-        gravity=gravity,
-        length=rig.length,
-        angle_resolution=sensors.angle_resolution,
-        position_resolution=sensors.position_resolution,
-    )
+    signals = Signals(time, angle, position, outlier, rig, sensors)
     findings += [DataFinding("warning", path.name, text) for text in implausible(signals)]
     for array in (time, angle, position, outlier, *([] if velocity is None else [velocity])):
         array.setflags(write=False)
@@ -136,12 +125,9 @@ def _position_findings(
         text = f"unknown in {int((~known).sum())} of {len(known)} rows ({rows_text(rows[~known])})."
         findings.append(DataFinding("note", where, text))
     if outlier.any():
-        findings.append(
-            DataFinding(
-                "warning",
-                where,
-                f"{int(outlier.sum())} of {int(known.sum())} positions are outliers "
-                f"({rows_text(rows[outlier])}). They are kept and marked; check the sensor.",
-            )
+        text = (
+            f"{int(outlier.sum())} of {int(known.sum())} positions are outliers ({rows_text(rows[outlier])}). They are "
+            "kept and marked; check the sensor."
         )
+        findings.append(DataFinding("warning", where, text))
     return findings

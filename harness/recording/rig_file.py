@@ -24,28 +24,33 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
+def _quantity(key: str) -> Any:
+    """A quantity that a table has under `key`, with its unit, and the product without."""
+    return Field(None, alias=key)
+
+
 class _Ball(_Table):
-    mass_kg: Positive | None = None
-    inertia_kg_m2: Positive | None = None
-    radius_m: Positive | None = None
+    mass: Positive | None = _quantity("mass_kg")
+    inertia: Positive | None = _quantity("inertia_kg_m2")
+    radius: Positive | None = _quantity("radius_m")
 
 
 class _Beam(_Table):
-    rolling_radius_m: Positive | None = None
-    eccentricity_m: float | None = None
-    length_m: Positive | None = None
-    level_angle_rad: float | None = None
+    rolling_radius: Positive | None = _quantity("rolling_radius_m")
+    eccentricity: float | None = _quantity("eccentricity_m")
+    length: Positive | None = _quantity("length_m")
+    level_angle: float | None = _quantity("level_angle_rad")
 
 
 class _Environment(_Table):
-    gravity_m_s2: Positive | None = None
+    gravity: Positive | None = _quantity("gravity_m_s2")
 
 
 class _Sensors(_Table):
-    angle_resolution_rad: Positive | None = None
-    angle_noise_rad: NotNegative | None = None
-    position_noise_m: NotNegative | None = None
-    position_resolution_m: Positive | None = None
+    angle_resolution: Positive | None = _quantity("angle_resolution_rad")
+    angle_noise: NotNegative | None = _quantity("angle_noise_rad")
+    position_noise: NotNegative | None = _quantity("position_noise_m")
+    position_resolution: Positive | None = _quantity("position_resolution_m")
 
 
 class _Declared(BaseModel):
@@ -69,15 +74,15 @@ class _RigFile(_Table):
     recordings: _Recordings | None = None
 
 
+TABLES: dict[str, type[_Table]] = {
+    "ball": _Ball,
+    "beam": _Beam,
+    "environment": _Environment,
+    "sensors": _Sensors,
+    "recordings": _Recordings,
+}
 KEYS = {
-    name: tuple(model.model_fields)
-    for name, model in (
-        ("ball", _Ball),
-        ("beam", _Beam),
-        ("environment", _Environment),
-        ("sensors", _Sensors),
-        ("recordings", _Recordings),
-    )
+    table: tuple(field.alias or name for name, field in model.model_fields.items()) for table, model in TABLES.items()
 }
 
 
@@ -121,31 +126,16 @@ def read_rig_file(path: Path) -> RigFile:
     except ValidationError as error:
         raise InputError(f"{path}: {_advice(error.errors()[0])}{_more(error)}") from None
     try:
-        rig = KnownRig(
-            mass=content.ball.mass_kg,
-            inertia=content.ball.inertia_kg_m2,
-            radius=content.ball.radius_m,
-            rolling_radius=content.beam.rolling_radius_m,
-            eccentricity=content.beam.eccentricity_m,
-            gravity=content.environment.gravity_m_s2,
-            level_angle=content.beam.level_angle_rad,
-            length=content.beam.length_m,
-        )
+        parts = (content.ball, content.beam, content.environment)
+        rig = KnownRig(**{name: value for part in parts for name, value in part})
     except RigError as error:
         raise InputError(f"{path}: impossible rig: {error}. Correct the values or their units.") from None
-    sensors = Sensors(
-        angle_resolution=content.sensors.angle_resolution_rad,
-        angle_noise=content.sensors.angle_noise_rad,
-        position_noise=content.sensors.position_noise_m,
-        position_resolution=content.sensors.position_resolution_m,
-    )
-    declared = tuple(Declared(effect.name, dict(effect.__pydantic_extra__)) for effect in content.declared)
     listed = content.recordings
     return RigFile(
         origin=content.origin,
         rig=rig,
-        sensors=sensors,
-        declared=declared,
+        sensors=Sensors(**dict(content.sensors)),
+        declared=tuple(Declared(one.name, dict(one.__pydantic_extra__)) for one in content.declared),
         identify=None if listed is None else tuple(listed.identify),
         predict=None if listed is None else tuple(listed.predict),
         findings=tuple(_findings(path, rig)),

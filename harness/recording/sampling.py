@@ -118,12 +118,10 @@ def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[
     if len(gaps):
         places = ", ".join(f"{steps[i]:.3g} s after row {rows[i]} (t = {time[i]:.4g} s)" for i in gaps[:MAX_PLACES])
         more = f" and {len(gaps) - MAX_PLACES} more" if len(gaps) > MAX_PLACES else ""
-        yield DataFinding(
-            "warning",
-            path.name,
+        text = (
             f"samples are missing: {places}{more}; the median step is {median:.3g} s. The beam angle in these gaps is "
-            "unknown; split the recording at long gaps.",
         )
+        yield DataFinding("warning", path.name, text + "unknown; split the recording at long gaps.")
     even = steps[steps <= GAP * median]
     if np.max(np.abs(even - median)) > MAX_JITTER * median:
         yield DataFinding(

@@ -40,22 +40,22 @@ class OwnForce(Force):
 
 
 @contextmanager
-def own_effects(files: Sequence[Path]) -> Iterator[tuple[Effect, ...]]:
-    """The effects of `files`, which the catalogue has at its end as long as the context lasts.
+def own_effects(given: Sequence[Path | Effect]) -> Iterator[tuple[Effect, ...]]:
+    """Effects, also those of files, which the catalogue has at its end as long as the context lasts; files first.
 
     Raises:
         InputError: a file is missing or is no Python, has no effect in it or one that cannot be, or a name is taken.
     """
+    objects = tuple(one for one in given if isinstance(one, Effect))
+    groups = [(f"{one}: ", read_effects(one)) for one in given if not isinstance(one, Effect)]
+    groups.append(("", tuple(one for one in objects if CATALOGUE.get(one.name) is not one)))
     with ExitStack() as stack:
-        found: list[Effect] = []
-        for file in files:
-            effects = read_effects(file)
+        for place, effects in groups:
             try:
                 stack.enter_context(joined(effects))
             except EffectError as error:
-                raise InputError(f"{file}: {error}.") from error
-            found += effects
-        yield tuple(found)
+                raise InputError(f"{place}{error}.") from error
+        yield tuple(one for _, effects in groups[:-1] for one in effects) + objects
 
 
 def read_effects(file: Path) -> tuple[Effect, ...]:

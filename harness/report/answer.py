@@ -74,24 +74,19 @@ class Facts:
     declared: Sequence[str] = ()
 
 
-def is_simulated(study: Study) -> bool:
-    """Whether the recording is simulated, according to its declared origin."""
-    return (study.setting.case.origin or "").lower().startswith("simulated")
-
-
 def facts_of(study: Study) -> Facts:
     """The facts of a study."""
     setting, headline = study.setting, study.headline
     whole = setting.horizons[0]
     ranked = standings(study, headline)
     return Facts(
-        recording="the simulated recording" if is_simulated(study) else "the recording",
+        recording="the simulated recording" if setting.case.simulated else "the recording",
         case=str(setting.case.path),
         seconds=headline.seconds,
         duration=float(setting.time[-1] - setting.time[whole.first[0]]),
         standings=ranked,
         over_uncertainty=study.score_of(ranked[0].source, headline).rms_error_over_uncertainty,
-        u_val=_pooled(study.u_val_of(headline)),
+        u_val=study.floor(headline),
         still=still_error(study, headline),
         end_u_val=float(study.u_val_of(whole)[0, whole.last[0]]),
         motion=float(np.std(setting.ball.position[whole.slices()[0]])),
@@ -193,11 +188,8 @@ def _engines(facts: Facts) -> str:
         part = ""
         if math.isfinite(one.numerical):
             numeric = one.numerical >= one.contact
-            part = (
-                ", mostly due to its step size (reduce it)"
-                if numeric
-                else ", mostly due to its contact model (stiffen it)"
-            )
+            cause = "its step size (reduce it)" if numeric else "its contact model (stiffen it)"
+            part = f", mostly due to {cause}"
         said.append(
             f"{label_of(one.source)} differs from {label_of(CAM.name)} by up to {length(one.departure, 2)}{part}"
         )
@@ -230,20 +222,13 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
 
 
 def _shorter(study: Study) -> tuple[float, str, float] | None:
-    horizons = study.setting.horizons
     limit = math.inf if study.headline.seconds is None else study.headline.seconds
-    for horizon in sorted(horizons[1:], key=lambda one: -(one.seconds or 0.0)):
-        seconds = horizon.seconds
-        if seconds is None or seconds >= limit:
-            continue
+    shorter = [(one.seconds, one) for one in study.setting.horizons if one.seconds is not None and one.seconds < limit]
+    for seconds, horizon in sorted(shorter, key=lambda each: -each[0]):
         best = standings(study, horizon)[0]
         if best.rms <= _MAX_RELATIVE_ERROR * still_error(study, horizon):
             return seconds, best.source, best.rms
     return None
-
-
-def _pooled(values: np.ndarray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
 
 
 def _mm(value: float) -> str:

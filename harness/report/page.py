@@ -11,7 +11,7 @@ from importlib.resources import files
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from harness.formatting import brief, fixed, length, number, percent
+from harness.formatting import length, number
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,14 @@ def typeset(text: str | Markup) -> Markup:
         return text
 
     def mark(found: re.Match[str]) -> str:
-        if found[1] is not None:
-            return f"<code>{found[1]}</code>"
-        return f"{found[2]}<sub>{found[3]}</sub>"
+        return f"<code>{found[1]}</code>" if found[1] is not None else f"{found[2]}<sub>{found[3]}</sub>"
 
     return Markup(_MARKS.sub(mark, str(escape(text))))
+
+
+def capitalised(text: str) -> str:
+    """Text with a capital at its beginning."""
+    return text[:1].upper() + text[1:]
 
 
 @lru_cache
@@ -67,21 +70,11 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {
-        "typeset": typeset,
-        "brief": brief,
-        "number": number,
-        "fixed": fixed,
-        "metres": length,
-        "percent": percent,
-    }
-    made.filters["sentence"] = lambda text: text[:1].upper() + text[1:]
+    made.filters |= {"typeset": typeset, "number": number, "metres": length, "sentence": capitalised}
     return made
 
 
-def render_page(
-    title: str, sections: Sequence[Section], *, subtitle: str = "", badges: Sequence[Badge] = (), language: str = "en"
-) -> str:
+def render_page(title: str, sections: Sequence[Section], *, subtitle: str = "", badges: Sequence[Badge] = ()) -> str:
     """The HTML text of a page.
 
     Args:
@@ -89,7 +82,6 @@ def render_page(
         sections: in the order of the page, with unique anchors.
         subtitle: one line below the heading.
         badges: beside the heading.
-        language: of the texts.
 
     Raises:
         ValueError: two sections share an anchor.
@@ -103,7 +95,6 @@ def render_page(
         title=title,
         subtitle=subtitle,
         badges=badges,
-        language=language,
         style=Markup((files("harness.report") / "style.css").read_text(encoding="utf-8")),
         parts=list(zip(sections, bodies, strict=True)),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -20,11 +20,12 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.formatting import brief
-from harness.report.palette import GRID_COLOUR, INK, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look
+from harness.report.palette import GRID_COLOUR, INK, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
 _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
+_MAX_DOTS = 1500  # per cloud
 
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -73,7 +74,7 @@ class Picture:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Context with the common Matplotlib style."""
+    """The common Matplotlib style, as a context or as a decorator."""
     with mpl.rc_context(STYLE):
         yield
 
@@ -85,6 +86,11 @@ def picture(figure: Figure, alt: str, caption: str | Markup) -> Picture:
     width, height = figure.get_size_inches() * 96
     source = "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
     return Picture(source, alt, caption, round(width), round(height))
+
+
+def drawing(height: float) -> Figure:
+    """An empty figure of the page's width and of `height` [in]; call within `style`."""
+    return Figure(figsize=(WIDTH, height), layout="constrained")
 
 
 def thinning(samples: int) -> int:
@@ -105,35 +111,35 @@ def joined(
     """
     keep = np.ones(len(time), dtype=np.bool_) if keep is None else keep
     stride = thinning(sum(where.stop - where.start for where in slices))
-    gap = np.array([np.nan])
-    times: list[FloatArray] = []
-    values: list[FloatArray] = []
-    for row, where in zip(pieces, slices, strict=True):
-        times += [time[where][keep[where]][::stride], gap]
-        values += [row[where][keep[where]][::stride], gap]
-    return np.concatenate(times), np.concatenate(values)
+    parts = [
+        np.pad(
+            np.array([time[where], row[where]])[:, keep[where]][:, ::stride], ((0, 0), (0, 1)), constant_values=np.nan
+        )
+        for row, where in zip(pieces, slices, strict=True)
+    ]
+    times, values = np.concatenate(parts, axis=1)
+    return times, values
 
 
-def line(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> Line2D:
+def line(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> None:
     """Draws a line in the given look."""
     (drawn,) = axes.plot(time, values, color=look.colour, linewidth=look.width, zorder=look.layer)
     if look.dash:
         drawn.set_dashes(look.dash)
-    return drawn
 
 
-def sample(look: Look, label: str) -> Line2D:
+def signal(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> None:
+    """Draws a line without gaps, thinned to the visible resolution."""
+    thin = slice(None, None, thinning(len(time)))
+    line(axes, time[thin], values[thin], look)
+
+
+def sample(look: Look, label: str = "") -> Line2D:
     """Legend entry for a look."""
-    entry = Line2D([], [], color=look.colour, linewidth=look.width, label=label)
+    entry = Line2D([], [], color=look.colour, linewidth=look.width, label=label or look.label)
     if look.dash:
         entry.set_dashes(look.dash)
     return entry
-
-
-def measured_line(axes: Axes, time: FloatArray, values: FloatArray) -> Line2D:
-    """Draws the recording: black, above the band and below the engines' dashed lines."""
-    (drawn,) = axes.plot(time, values, color=MEASURED_COLOUR, linewidth=1.4, zorder=4)
-    return drawn
 
 
 def band(axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray) -> None:
@@ -141,6 +147,43 @@ def band(axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray) -> Non
     thin = slice(None, None, thinning(len(time)))
     time, low, high = time[thin], low[thin], high[thin]
     axes.fill_between(time, low, high, color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0.0, zorder=1)
+
+
+def zero(axes: Axes) -> None:
+    """Draws the horizontal line at 0."""
+    axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
+
+
+def dots(axes: Axes, x: FloatArray, y: FloatArray, look: Look) -> None:
+    """Draws samples as a cloud of at most about 2 `_MAX_DOTS` dots."""
+    thin = slice(None, None, max(1, len(x) // _MAX_DOTS))
+    axes.plot(
+        x[thin], y[thin], ".", color=look.colour, alpha=0.3, markersize=3, markeredgewidth=0, rasterized=True,
+        zorder=look.layer,
+    )  # fmt: skip
+
+
+def means(axes: Axes, x: FloatArray, y: FloatArray, layer: int = 7) -> None:
+    """Draws the means of bins with their standard errors, and the line at 0."""
+    centre, mean, error = binned(x, y)
+    axes.errorbar(centre, mean, yerr=error, color=INK, marker="o", markersize=3.5, linewidth=1.0, zorder=layer)
+    zero(axes)
+
+
+def against_state(
+    row: Iterable[Axes], position: FloatArray, velocity: FloatArray, angle: FloatArray
+) -> Iterator[tuple[Axes, FloatArray]]:
+    """Three axes and their abscissas: position [m], velocity [m/s] and beam angle, given in radians."""
+    names = ("position $s$ [m]", r"velocity $\dot s$ [m/s]", r"beam angle $\alpha$ [deg]")
+    for axes, name, x in zip(row, names, (position, velocity, np.degrees(angle)), strict=True):
+        axes.set_xlabel(name)
+        yield axes, x
+
+
+def over_time(axes: Axes, begin: float, end: float) -> None:
+    """Makes the abscissa time from `begin` to `end` [s]."""
+    axes.set_xlim(begin, end)
+    axes.set_xlabel("time [s]")
 
 
 def frame(axes: Axes, values: FloatArray, margin: float = 0.35, least: float = 1e-3) -> None:
@@ -208,8 +251,8 @@ def label_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
 
 def plain_log(axes: Axes, which: str, ticks: Sequence[float] | None = None) -> None:
     """Makes an axis logarithmic with plain tick labels; `which` is "x" or "y"."""
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    (axes.set_xscale if which == "x" else axes.set_yscale)("log")
+    axis = getattr(axes, f"{which}axis")
+    axes.set(**{f"{which}scale": "log"})
     if ticks is not None:
         axis.set_major_locator(FixedLocator(list(ticks)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: brief(value, 2)))

@@ -4,9 +4,8 @@
 pytest plugin and `harness run --check` use these functions.
 """
 
-from harness.tolerances.check import Checked, check
+from harness.tolerances.check import Checked, check, render_table
 from harness.tolerances.file import read_tolerances, tolerances_for
 from harness.tolerances.limits import Limit, Tolerances
-from harness.tolerances.table import render_table
 
 __all__ = ["Checked", "Limit", "Tolerances", "check", "read_tolerances", "render_table", "tolerances_for"]

@@ -1,8 +1,9 @@
-"""Compares a study with limits: value and margin of each."""
+"""Compares a study with limits: value and margin of each, also as a plain-text table."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -137,3 +138,20 @@ _DIFFERENCE = {
     "max_difference_m": lambda difference: float(np.max(np.abs(difference))),
     "rms_difference_m": rms,
 }
+
+
+def render_table(checks: Sequence[Checked]) -> str:
+    """One line per limit with value and margin, then failures in words and the number of violated limits."""
+    rows = [("", "limit", "value", "margin"), *(_row(one) for one in checks)]
+    outcome, name, value, margin = (max(map(len, column)) for column in zip(*rows, strict=True))
+    lines = [f"{o:<{outcome}}  {n:<{name}}  {v:>{value}}  {m:>{margin}}".rstrip() for o, n, v, m in rows]
+    broken = [one for one in checks if not one.passed]
+    verdict = f"{len(broken) or len(checks)} of {len(checks)} limits {'broken' if broken else 'kept'}"
+    failures = dict.fromkeys(one.failure for one in checks if one.failure)
+    return "\n".join([*lines, *failures, verdict])
+
+
+def _row(one: Checked) -> tuple[str, str, str, str]:
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    value = "none" if one.failure else f"{one.value:.4g}{unit}"
+    return "kept" if one.passed else "BROKEN", one.name, value, percent(one.margin)

@@ -115,10 +115,7 @@ def _limits_of(source: str, table: Any) -> Iterator[Limit]:
                 f'Write it under [{source}.{WHOLE}], [{source}."2 s"] or [{source}.{AGAINST_CAM}].'
             )
         else:
-            seconds = _seconds(place, horizon)
-            for name, value in entries.items():
-                metric = _metric(place, name)
-                yield Limit(source, seconds, metric, _limit(place, name, metric, value))
+            yield from _entries(source, place, _seconds(place, horizon), entries)
 
 
 def _differences_of(source: str, place: str, table: Any) -> Iterator[Limit]:
@@ -129,13 +126,22 @@ def _differences_of(source: str, place: str, table: Any) -> Iterator[Limit]:
     for name, entry in table.items():
         if isinstance(entry, Mapping):
             inner = f"{place[:-1]}.{_key(name)}]"
-            seconds = _seconds(inner, name)
-            for key, value in entry.items():
-                metric = _difference(inner, key)
-                yield Limit(source, seconds, metric, _limit(inner, key, metric, value), against_cam=True)
+            yield from _entries(source, inner, _seconds(inner, name), entry, against_cam=True)
         else:
-            metric = _difference(place, name)
-            yield Limit(source, None, metric, _limit(place, name, metric, entry), against_cam=True)
+            yield from _entries(source, place, None, {name: entry}, against_cam=True)
+
+
+def _entries(
+    source: str, place: str, seconds: float | None, entries: Mapping[str, Any], *, against_cam: bool = False
+) -> Iterator[Limit]:
+    for name, value in entries.items():
+        metric = _difference(place, name) if against_cam else _metric(place, name)
+        number = _number(f"{place} {name}", value)
+        if number < 0.0 and metric.better is not Better.LARGER:
+            raise InputError(
+                f"{place} {name} = {number:g} cannot be satisfied. The metric is a magnitude; give a positive number."
+            )
+        yield Limit(source, seconds, metric, number, against_cam)
 
 
 def _seconds(place: str, horizon: str) -> float | None:
@@ -168,15 +174,6 @@ def _difference(place: str, name: str) -> Metric:
     except KeyError:
         near = did_you_mean(name.lower(), _DIFFERENCES_BY_ANY_NAME)
         raise InputError(f"{place}: there is no metric {name!r}.{near} Metrics are {', '.join(DIFFERENCES)}.") from None
-
-
-def _limit(place: str, name: str, metric: Metric, value: Any) -> float:
-    number = _number(f"{place} {name}", value)
-    if number < 0.0 and metric.better is not Better.LARGER:
-        raise InputError(
-            f"{place} {name} = {number:g} cannot be satisfied. The metric is a magnitude; give a positive number."
-        )
-    return number
 
 
 def _number(place: str, value: Any) -> float:

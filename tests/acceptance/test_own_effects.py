@@ -50,7 +50,7 @@ def test_an_effect_of_ones_own_is_found(harness: Harness, tmp_path: Path) -> Non
     blank, csv = case / "rec_03.csv", tmp_path / "predicted.csv"
     refused = harness("predict", out, blank, "--out", csv)
     assert refused.code == 2
-    assert "found magnet, which the catalogue does not have" in refused.err
+    assert "the effect magnet is not in the catalogue" in refused.err
     assert not csv.exists()
     done = harness("predict", out, blank, "--out", csv, "--effects", FILE)
     assert done.code == 0, done.err

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from harness.identify.estimate.fit import fit
 from harness.identify.model_file import model_record
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of
 from harness.identify.record import (
     AllErrorsRecord,
     BeforeAfterRecord,
@@ -27,7 +27,7 @@ BOTH = BeforeAfterRecord(before=NO_ERRORS, after=NO_ERRORS)
 def nothing_missing(folder: Path) -> DiagnosisRecord:
     """The record of a diagnosis that tried nothing: its model is the rig as declared."""
     case = load_case(folder)
-    problem, _ = problem_of(case)
+    problem = problem_of(case)
     base = fit(problem, Hypothesis(()))
     ledger = ledger_record(problem, Selection(base, base, ()), SourcesRecord(hashes={}, versions={}))
     return DiagnosisRecord(

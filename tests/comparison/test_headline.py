@@ -12,6 +12,7 @@ from harness.comparison.uncertainty import displacements, uncertainty
 from harness.recording import load_case
 from harness.simulator import Plant
 from tests.comparison.made import COARSE, FINE, sensors, steps, swing, write_case
+from tests.shared_data import measured_rigs
 
 
 def headline(setting: Setting) -> str:
@@ -40,10 +41,10 @@ def test_windows_count_where_the_angle_is_poor(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["uts", "daisy"])
-def test_real_rigs_are_judged_by_windows(shared: Path, name: str) -> None:
+@pytest.mark.parametrize("folder", measured_rigs(), ids=lambda path: path.name)
+def test_real_rigs_are_judged_by_windows(folder: Path) -> None:
     """Choose windows for student rigs with a noisy or coarse angle."""
-    setting = prepare(load_case(shared / "recordings" / name), Choices())
+    setting = prepare(load_case(folder), Choices())
     assert headline(setting) in {"1 s", "2 s", "5 s"}
 
 

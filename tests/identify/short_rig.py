@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from analytic.motion import State
-from harness.identify.design.choose import Pair
+from harness.identify.design.choose import RivalPair
 from harness.identify.design.proposal import NOTHING, Proposal
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of, record_of
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.preparation.recordings import observe
 from harness.recording import Case, load_case, load_recording
 from harness.signals.drive import QuinticMotion
 from harness.simulator import Experiment, write_case
@@ -38,9 +39,9 @@ class Short:
     rival: Fit
 
     @property
-    def pair(self) -> Pair:
+    def pair(self) -> RivalPair:
         """The two."""
-        return Pair(
+        return RivalPair(
             *(" + ".join(one.hypothesis.names) or NOTHING for one in (self.found, self.rival)), self.rival, 2.45
         )
 
@@ -60,7 +61,7 @@ class Short:
         sensors = self.experiment.sensors
         written = record(run, replace(sensors, laser=replace(sensors.laser, near=0.0, far=1.0)), seed)
         path.write_text(recording_text(written), encoding="utf-8", newline="\n")
-        return record_of(self.case, load_recording(path), self.problem.rig)[0]
+        return PreparedRecording.of(observe(load_recording(path), self.case.sensors, self.problem.rig))
 
 
 def short(
@@ -71,6 +72,6 @@ def short(
     experiment = Experiment(declared=declared, hidden=hidden, duration=duration, identify=1, predict=0, seed=seed)
     write_case(folder, experiment)
     case = load_case(folder)
-    problem, _ = problem_of(case)
+    problem = problem_of(case)
     found = fit(problem, Hypothesis(tuple(hidden)))
     return Short(folder, experiment, case, problem, found, fit(problem, Hypothesis((rival,))))

@@ -13,9 +13,11 @@ import pytest
 from harness.identify.diagnosis import diagnose
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.forecast import forecast
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of, record_of
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.verdict import Verdict
+from harness.preparation.recordings import observe
 from harness.recording import load_case
 from tests.posed import pose
 from tests.shared_data import CASES
@@ -61,7 +63,7 @@ def test_a_gust_is_in_no_catalogue(tmp_path: Path) -> None:
 def test_cases_are_diagnosed(name: str) -> None:
     """Name what the case hides, or what the unlisted force depends on."""
     truth = truth_of(CASES / name)
-    found = diagnose(problem_of(load_case(CASES / name))[0])
+    found = diagnose(problem_of(load_case(CASES / name)))
     assert {one.name for one in found.effects} == {one["name"] for one in truth["effects"]}
     spline = found.found.terms.spline
     assert (None if spline is None else str(spline.depends)) == truth["unlisted"]
@@ -72,14 +74,14 @@ def test_cases_are_diagnosed(name: str) -> None:
 def test_cases_are_fitted_and_forecast(folder: Path) -> None:
     """Hold the truth within 95 % intervals, and predict the blank part of the third recording."""
     truth, case = truth_of(folder), load_case(folder)
-    problem, _ = problem_of(case)
+    problem = problem_of(case)
     found = fit(problem, Hypothesis(tuple(one["name"] for one in truth["effects"])))
     for one in truth["effects"]:
         for key, value in one["parameters"].items():
             reach = 1.96 * problem.settings.inflation * found.deviations()[one["name"], key]
             assert abs(found.values()[one["name"], key] - value) < reach, key
             assert reach < 0.03 * abs(value), key  # what the prediction below is allowed for it
-    record, _ = record_of(case, case.recordings["rec_03.csv"], problem.rig)
+    record = PreparedRecording.of(observe(case.recordings["rec_03.csv"], case.sensors, problem.rig))
     made = forecast(problem, found, record, record.reading)
     true = pd.read_csv(folder / "rec_03_true.csv")["ball_position_m"].to_numpy()
     error = np.sqrt(np.mean((made.position - true)[np.isnan(record.reading)] ** 2))

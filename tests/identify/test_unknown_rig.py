@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from analytic.rig import Rig
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import candidates, found_in, hidden_by
+from harness.identify.selection.candidates import candidates, hidden_by, selected_effects
 from harness.identify.selection.criterion import Criterion
 from harness.identify.verdict import Verdict, identify
 from harness.recording import load_case
@@ -29,7 +30,7 @@ def without_groove(folder: Path, hidden: Effects | None = None) -> Problem:
     lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
     written = "".join(LEVEL_KNOWN if line.startswith("rolling_radius_m") else line for line in lines)
     file.write_text(written, encoding="utf-8")
-    return problem_of(load_case(folder))[0]
+    return problem_of(load_case(folder))
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +54,7 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
     assert abs(gain * ratio - Rig().rolling_ratio) < reach * ratio
     assert Criterion().explained(open_problem, base)
     # Another completion, whose K is 1 % more, is made up for.
-    other = Problem(
-        open_problem.recordings,
-        open_problem.rig.with_(inertia=open_problem.rig.inertia * 0.97),
-        open_problem.declared,
-        open_problem.noise,
-        unknown=open_problem.unknown,
-    )
+    other = replace(open_problem, rig=open_problem.rig.with_(inertia=open_problem.rig.inertia * 0.97))
     off = other.rig.rolling_ratio / ratio
     assert off - 1.0 > 10.0 * reach
     again = fit(other, Hypothesis(other.unknown))
@@ -69,11 +64,11 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
 def test_what_stands_for_the_unknown_is_no_finding(open_problem: Problem, base: Fit) -> None:
     """Count it among no findings, and try neither it nor what no recording can tell from it."""
     assert base.hypothesis.names == ("angle_gain",)
-    assert found_in(open_problem, base) == ()
+    assert selected_effects(open_problem, base) == ()
     assert hidden_by(open_problem.unknown) == ("angle_gain", "rolling_radius", "position_gain")
     assert not {"angle_gain", "rolling_radius", "position_gain"} & set(candidates(open_problem))
     assert {"angle_gain", "rolling_radius", "position_gain", "level_error"} <= set(
-        candidates(Problem(open_problem.recordings, open_problem.rig, open_problem.declared, open_problem.noise))
+        candidates(replace(open_problem, unknown=()))
     )
     assert "level_error" in candidates(open_problem)
 

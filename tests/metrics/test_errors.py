@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.errors import InputError
-from harness.metrics.displacement import fit_percent, fraction_outside, max_error, rms_error
+from harness.metrics.errors import fit_percent, fraction_outside, max_error, rms_error
 from harness.metrics.run_comparison import RunComparison, trapezoid_weights
 from harness.metrics.time_history import absolute_integral
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from harness.metrics.pooling import rms_standard_error
-from harness.metrics.validation import (
+from harness.metrics.bootstrap import rms_standard_error
+from harness.metrics.errors import (
     fraction_within_uncertainty,
     rms_error_over_uncertainty,
     validation_uncertainty,

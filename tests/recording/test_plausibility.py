@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.rig import Rig
+from harness.recording import KnownRig, Sensors
 from harness.recording.plausibility import Signals, implausible
 from harness.recording.tilt_response import tilt_response
 from tests.recording.simulated import Cosines, simulated
@@ -101,8 +102,8 @@ def test_magnitudes_speak_where_the_ball_rests(change: dict[str, float], words: 
 def test_ball_off_the_beam() -> None:
     """Compare positions with the beam's length where it is known."""
     sound = signals(start=0.2)
-    assert implausible(replace(sound, length=0.7)) == []
-    (text,) = implausible(replace(sound, length=0.4))
+    assert implausible(replace(sound, rig=KnownRig(length=0.7))) == []
+    (text,) = implausible(replace(sound, rig=KnownRig(length=0.4)))
     assert "do not fit on a beam of 0.4 m" in text
 
 
@@ -117,9 +118,9 @@ def test_constant_channels() -> None:
 def test_declared_resolution() -> None:
     """Compare inferred with declared resolutions, finer or coarser, with a margin for a data sheet's rounding."""
     sound = signals()
-    assert implausible(replace(sound, angle_resolution=1.6e-4, position_resolution=1e-4)) == []
-    assert "coarser" in implausible(replace(sound, angle_resolution=1e-5))[0]
-    assert "finer" in implausible(replace(sound, position_resolution=1e-3))[0]
+    assert implausible(replace(sound, sensors=Sensors(angle_resolution=1.6e-4, position_resolution=1e-4))) == []
+    assert "coarser" in implausible(replace(sound, sensors=Sensors(angle_resolution=1e-5)))[0]
+    assert "finer" in implausible(replace(sound, sensors=Sensors(position_resolution=1e-3)))[0]
 
 
 def test_unknown_positions_silence_physics() -> None:

@@ -7,18 +7,13 @@ from pathlib import Path
 import pytest
 
 from harness.recording import inferred_resolution, load_case
+from tests.shared_data import CASES, measured_rigs
 
-SHARED = Path(__file__).resolve().parents[3] / "shared"
-needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the folder ../shared is absent")
-
-
-def folders(kind: str) -> list[Path]:
-    """Case folders below ../shared."""
-    return sorted(path.parent for path in (SHARED / kind).glob("*/rig.toml"))
+needs_shared = pytest.mark.skipif(not CASES.is_dir(), reason="the folder ../shared is absent")
 
 
 @needs_shared
-@pytest.mark.parametrize("folder", folders("cases"), ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", sorted(path.parent for path in CASES.glob("*/rig.toml")), ids=lambda path: path.name)
 def test_simulated_cases_raise_no_plausibility_warning(folder: Path) -> None:
     """Warn of nothing in the simulated cases, whatever effect is hidden in them."""
     case = load_case(folder)
@@ -33,8 +28,7 @@ def test_simulated_cases_raise_no_plausibility_warning(folder: Path) -> None:
         assert inferred_resolution(recording.angle) == pytest.approx(case.sensors.angle_resolution, rel=5e-6)
 
 
-@needs_shared
-@pytest.mark.parametrize("folder", folders("recordings"), ids=lambda path: path.name)
+@pytest.mark.parametrize("folder", measured_rigs(), ids=lambda path: path.name)
 def test_real_recordings_only_show_spikes(folder: Path) -> None:
     """Warn of outliers in one real rig's sensor, and of no unit or sign on any."""
     case = load_case(folder)

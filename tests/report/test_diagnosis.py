@@ -10,19 +10,19 @@ import pytest
 
 from harness.api.assemble import diagnosis_record
 from harness.api.diagnosis import input_hashes
-from harness.comparison.setting import ball_of
 from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
 from harness.identify.validation.held_out import fit_folds, on_held_out, on_identify
-from harness.identify.validation.residual_acceleration import trace
+from harness.identify.validation.residual_acceleration import residual_acceleration
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
+from harness.preparation.recordings import observe
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.simulator import Experiment, write_case
@@ -55,7 +55,7 @@ def line(rule, effects, fitted, against, *, kept=False):
 @pytest.fixture(scope="module")
 def diagnosis(case):
     """What `diagnose` would find, its search cut down to the true effect and one rival."""
-    problem, _ = problem_of(case)
+    problem = problem_of(case)
     base = fit(problem, Hypothesis(()))
     found, rival = (
         fit(problem, Hypothesis((name,)), process_noise=base.process_noise) for name in (NAME, "level_error")
@@ -111,7 +111,7 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
 def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     """Print the law and both ends of the 95 % interval."""
     estimate = diagnosis.effects[0].parameters["coefficient"]
-    row = html[html.index("What was missing") :].split("</tr>")[1]
+    row = html[html.index("Effects found") :].split("</tr>")[1]
     assert "against rolling, set-valued" in row
     cells = [float(text) for text in re.findall(r"(?<![\d.])0\.00\d+", row)]
     assert cells == pytest.approx(
@@ -171,8 +171,8 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
     """
     problem, rig = diagnosis.problem, diagnosis.problem.rig
     for record in problem.recordings:
-        ball = ball_of(case, case.recordings[record.name], record.drive, rig)
-        seen = trace(problem, diagnosis.found, record, ball)
+        ball = observe(case.recordings[record.name], case.sensors, rig).ball
+        seen = residual_acceleration(problem, diagnosis.found, record, ball)
         fast = np.abs(seen.velocity[:-1]) > 0.03  # the last stamp has no step of its own
         s, v, law = (each[:-1][fast] for each in (seen.position, seen.velocity, seen.law))
         angle, rate, angular = record.table[2 * record.grid.marks[:-1][fast] + 1, :3].T
@@ -188,8 +188,8 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
 def test_nothing_found_adds_nothing(diagnosis, case):
     """The law of no effect is zero, to the bit."""
     problem, record = diagnosis.problem, diagnosis.problem.recordings[0]
-    ball = ball_of(case, case.recordings[record.name], record.drive, problem.rig)
-    assert not np.any(trace(problem, diagnosis.base, record, ball).law)
+    ball = observe(case.recordings[record.name], case.sensors, problem.rig).ball
+    assert not np.any(residual_acceleration(problem, diagnosis.base, record, ball).law)
 
 
 def test_no_finding_needs_no_table(diagnosis, case):

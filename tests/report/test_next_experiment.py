@@ -8,12 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harness.identify.design.excitation import LIBRARY, Room
+from harness.identify.design.excitation import LIBRARY, OperatingEnvelope
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.report.diagnosis.experiment import section
 from harness.report.page import render_page
 
-ROOM = Room(low=0.2, high=0.45, angle=0.05, rate=0.3, acceleration=3.0, interval=0.02, pull=6.5)
+ROOM = OperatingEnvelope(low=0.2, high=0.45, angle=0.05, rate=0.3, acceleration=3.0, interval=0.02, pull=6.5)
 APART = (Separation("rolling_radius", "position_gain", 0.8, 7.4, 2.4), Separation("level_error", "pull", 2.0, 9.1, 2.4))
 SEEN = (Separation("position_lag", NOTHING, 0.0, 6.9, 3.7), Separation("contact_slip", NOTHING, 0.0, 0.1, 3.7))
 
@@ -36,7 +36,7 @@ def test_it_says_what_to_run_and_what_to_expect() -> None:
     """Lead with one sentence of the hardest pair, then a picture, and every pair with its σ in a table."""
     html = page(proposal(APART))
     answer = html[html.index('class="answer"') : html.index("<figure>")]
-    assert "To tell rolling radius from position gain, run the profile “slow swing”" in answer
+    assert "To distinguish rolling radius from position gain, run the profile “slow swing”" in answer
     assert "expected separation 7.4 σ (0.8 σ on the data at hand)" in answer
     table = html[html.index("Expected discrimination") :].split("</table>")[0]
     assert [re.findall(r">(\d\.\d)<", row) for row in table.split("<tr")[2:]] == [

@@ -25,7 +25,7 @@ LEVEL = IdentifiedEffect("level_error", {"angle": Estimate(-0.0025, -0.00251, -0
 def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] = (), **changes: Any) -> str:
     """The sentence of a diagnosis with these findings, whose held-out error falls from 174 mm to 0.3 mm."""
     names = tuple(one.name for one in findings)
-    at = Terms(recordings=(), effects=(), phases=np.zeros(2), spline=changes.get("shape"))
+    at = Terms(recordings=(), effects=(), phases=np.zeros(2), spline=changes.get("spline"))
     process_noise = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
     found = Fit(
         Hypothesis(names, at.spline), np.zeros(0), at, process_noise, 0.0, np.zeros((0, 0)), posed.problem.readings
@@ -66,7 +66,7 @@ def test_a_curve(plain: Posed, depends: Regressor, friction: bool) -> None:
     assert DEPENDENCES[depends] in text
     force = 1e3 * plain.problem.rig.mass * 0.05
     assert ("0.050 of the normal force" if friction else f"up to {force:.1f} mN") in text
-    assert "in addition to a rolling resistance of 0.0041 ± 0.0004; the held-out error decreases" in text
+    assert "beside a rolling resistance of 0.0041 ± 0.0004; the held-out error decreases" in text
 
 
 def test_nothing(plain: Posed) -> None:

@@ -1,10 +1,10 @@
-"""The next experiment: the move that would best separate what was found from what it cannot be told from.
+"""Choice of the next experiment: the motion that best discriminates the identified model from its rivals.
 
 After Atkinson and Fedorov, "The design of experiments for discriminating between two rival models", Biometrika 62,
-1975: the model found is taken for true, each rival's numbers are fitted anew to what it would record, and the move
-counts for what is left between them, at its smallest over all rivals. They are fitted to the new recording alone, and
-what it brings is added to what the recordings at hand bring. Diagnosed together all recordings bring at least that: a
-rival's numbers then have to do for all of them, and what the process noise takes over has to be paid everywhere.
+1975: the identified model is taken as true, each rival is fitted to the recording that it predicts, and the motion is
+rated by the remaining difference of deviance, at its smallest over all rivals. The rival is fitted to the new recording
+alone and the difference is added to that of the existing recordings. This is a lower bound for a diagnosis of all
+recordings together, in which the rival has the same parameters and process noise everywhere.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from analytic.effects import CATALOGUE, Acting
-from harness.identify.design.closed_loop import Rehearsed, rehearse, with_others
-from harness.identify.design.discrimination import Noises, drift, mean_innovations, regained
-from harness.identify.design.excitation import LIBRARY, Profile, Room, room_of
+from harness.identify.design.closed_loop import SimulatedRun, simulate_closed_loop, simulate_with_terms
+from harness.identify.design.discrimination import SteadyFilters, mean_innovations, open_loop_drift, rival_deviance
+from harness.identify.design.excitation import LIBRARY, OperatingEnvelope, Profile, envelope_of
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Terms
@@ -26,14 +26,14 @@ from harness.identify.selection.candidates import in_threads
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.ledger import Line
 
-_ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps of rivals, and on how many of the best moves; on the others one step
-_WORTH = 0.5  # σ, as far as expected and reached separations differ: a smaller gain is none
-_EQUAL = 1.0  # of the deviance, within which two laws explain the same
+_ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps for the best motions, and number of these; one step for the others
+_WORTH = 0.5  # smallest gain of a separation that counts [σ]: expected and reached separations differ as much
+_EQUAL = 1.0  # difference of deviance within which two laws explain the same
 
 
 @dataclass(frozen=True)
-class Pair:
-    """A rival of the model found: what is to be told from what, its fit, and the σ from which on it is told."""
+class RivalPair:
+    """A rival of the identified model: names of both, its fit, and the separation at which it is distinguished [σ]."""
 
     found: str
     rival: str
@@ -41,154 +41,160 @@ class Pair:
     needed: float
 
 
-def separate(problem: Problem, found: Fit, pairs: Sequence[Pair], *, length: float | None = None) -> Proposal | None:
-    """The move that separates `found` best from all its rivals; `None` where none is left to make that would tell more.
+def choose_to_discriminate(
+    problem: Problem, found: Fit, pairs: Sequence[RivalPair], *, length: float | None = None
+) -> Proposal | None:
+    """The motion that best separates `found` from all its rivals; `None` if no motion is feasible or adds to that.
 
     Args:
         pairs: at least one.
         length: of the beam, where it is known [m].
     """
-    room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
+    envelope = envelope_of(problem, length)
+    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
     at_hand = [pair.fit.deviance - found.deviance for pair in pairs]
 
-    def attempt(profile: Profile) -> Rehearsed | None:
-        return rehearse(problem, found.terms, found.process_noise, profile, room)
+    def simulate(profile: Profile) -> SimulatedRun | None:
+        return simulate_closed_loop(problem, found.terms, found.process_noise, profile, envelope)
 
-    def apart(made: Rehearsed, rounds: int) -> list[float]:
-        new = [regained(problem, made, pair.fit, noises, rounds=rounds) for pair in pairs]
+    def separate(run: SimulatedRun, rounds: int) -> list[float]:
+        new = [rival_deviance(problem, run, pair.fit, steady_filters, rounds=rounds) for pair in pairs]
         return [_sigma(problem, old + more) for old, more in zip(at_hand, new, strict=True)]
 
-    rehearsed = [one for one in in_threads(attempt, LIBRARY) if one is not None]
-    if not rehearsed:
+    runs = [run for run in in_threads(simulate, LIBRARY) if run is not None]
+    if not runs:
         return None
-    looked = dict(zip(rehearsed, in_threads(partial(apart, rounds=1), rehearsed), strict=True))
-    best = sorted(rehearsed, key=lambda one: -min(looked[one]))[:_REFINED]
-    looked |= dict(zip(best, in_threads(partial(apart, rounds=_ROUNDS), best), strict=True))
-    chosen = max(best, key=lambda one: min(looked[one]))
+    sigmas = dict(zip(runs, in_threads(partial(separate, rounds=1), runs), strict=True))
+    best = sorted(runs, key=lambda run: -min(sigmas[run]))[:_REFINED]
+    sigmas |= dict(zip(best, in_threads(partial(separate, rounds=_ROUNDS), best), strict=True))
+    chosen = max(best, key=lambda run: min(sigmas[run]))
     separations = tuple(
         Separation(pair.found, pair.rival, _sigma(problem, old), sigma, pair.needed)
-        for pair, old, sigma in zip(pairs, at_hand, looked[chosen], strict=True)
+        for pair, old, sigma in zip(pairs, at_hand, sigmas[chosen], strict=True)
     )
     if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
         return None
-    tried = {one.record.name: min(looked[one]) for one in rehearsed}
-    return _proposal(problem, found, room, chosen, separations, tried)
+    tried = {run.recording.name: min(sigmas[run]) for run in runs}
+    return _proposal(problem, found, envelope, chosen, separations, tried)
 
 
-def reveal(problem: Problem, found: Fit, unseen: Sequence[str], *, length: float | None = None) -> Proposal | None:
-    """The move that lets most of the effects `unseen` be seen at typical size; `None` where none shows any.
+def choose_to_detect(
+    problem: Problem, found: Fit, unseen: Sequence[str], *, length: float | None = None
+) -> Proposal | None:
+    """The motion that reveals most of the effects `unseen` at typical size; `None` if none reveals any.
 
-    Each effect makes the move in its own closed loop, for a ball with a level error would run off on the angle of
-    another, and the model found is held against what it leaves. The recordings at hand are left out: the new one has to
-    show the effect by itself.
+    The motion is simulated in closed loop with each effect, since the angle for one would let the ball run off with
+    another, and the identified model is tested on the result. The new recording has to reveal the effect by itself.
 
     Args:
         unseen: at least one effect of the catalogue.
         length: of the beam, where it is known [m].
     """
-    room = room_of(problem, length)
-    noises = Noises.of(room.interval, problem.reading_variance, found.process_noise)
-    typical = [_typical(found, name, room) for name in unseen]
+    envelope = envelope_of(problem, length)
+    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
+    alternatives = [_with_typical_effect(found, name, envelope) for name in unseen]
     criterion = Criterion(problem.settings)
-    needed = [criterion.detection_limit(len(room.time), len(CATALOGUE[name].parameters)) for name in unseen]
+    needed = [criterion.detection_limit(len(envelope.time), len(CATALOGUE[name].parameters)) for name in unseen]
 
-    def attempt(profile: Profile) -> tuple[Rehearsed, list[float]] | None:
-        made = rehearse(problem, found.terms, found.process_noise, profile, room)
-        if made is None:
+    def simulate(profile: Profile) -> tuple[SimulatedRun, list[float]] | None:
+        run = simulate_closed_loop(problem, found.terms, found.process_noise, profile, envelope)
+        if run is None:
             return None
-        others = (with_others(problem, one, found.process_noise, profile, room, made) for one in typical)
-        return made, [_sigma(problem, noises.deviance(mean_innovations(problem, one, found.terms))) for one in others]
+        others = (simulate_with_terms(problem, a, found.process_noise, profile, envelope, run) for a in alternatives)
+        return run, [
+            _sigma(problem, steady_filters.deviance(mean_innovations(problem, other, found.terms))) for other in others
+        ]
 
-    def worth(sigmas: Sequence[float]) -> tuple[int, float]:
-        shares = [one / enough for one, enough in zip(sigmas, needed, strict=True)]
+    def rating(sigmas: Sequence[float]) -> tuple[int, float]:
+        """Number of effects revealed, and the sum of shares of the detection limits for equal numbers."""
+        shares = [sigma / limit for sigma, limit in zip(sigmas, needed, strict=True)]
         return sum(share >= 1.0 for share in shares), sum(min(share, 1.0) for share in shares)
 
-    tried = [one for one in in_threads(attempt, LIBRARY) if one is not None]
+    tried = [result for result in in_threads(simulate, LIBRARY) if result is not None]
     if not tried:
         return None
-    chosen, sigmas = max(tried, key=lambda one: worth(one[1]))
-    if not worth(sigmas)[0]:
+    chosen, sigmas = max(tried, key=lambda result: rating(result[1]))
+    if not rating(sigmas)[0]:
         return None
     separations = tuple(
-        Separation(name, NOTHING, 0.0, sigma, enough)
-        for name, sigma, enough in zip(unseen, sigmas, needed, strict=True)
+        Separation(name, NOTHING, 0.0, sigma, limit) for name, sigma, limit in zip(unseen, sigmas, needed, strict=True)
     )
-    return _proposal(problem, found, room, chosen, separations, {m.record.name: float(worth(s)[0]) for m, s in tried})
+    revealed = {run.recording.name: float(rating(each)[0]) for run, each in tried}
+    return _proposal(problem, found, envelope, chosen, separations, revealed)
 
 
 def pairs_of(
     found: Fit, ledger: Sequence[Line], indistinguishable: Mapping[str, Sequence[str]], criterion: Criterion
-) -> list[Pair]:
-    """What `found` is to be told from: the rivals of each effect that are not told apart, or else the nearest one.
+) -> list[RivalPair]:
+    """Rivals of `found`: those indistinguishable from its effects, or else the one of lowest criterion.
 
     Args:
-        indistinguishable: effects that were found, each with its rivals.
-        criterion: by which two explanations are told apart.
+        indistinguishable: the identified effects, each with its rivals.
     """
 
-    def pair(name: str, rival: str, fits: Sequence[Fit]) -> Pair:
+    def pair(name: str, rival: str, fits: Sequence[Fit]) -> RivalPair:
         nearest = min(fits, key=criterion.value)
-        return Pair(name, rival, nearest, criterion.rival_separation(nearest, found))
+        return RivalPair(name, rival, nearest, criterion.rival_separation(nearest, found))
 
     pairs = []
     for name, rivals in indistinguishable.items():
         rest = set(found.hypothesis.names) - {name}
         for rival in rivals:
-            fits = [one.fit for one in ledger if rival in one.effects and set(one.beside) == rest]
-            if fits:  # what a split replaced was never tried beside what came of it
+            fits = [line.fit for line in ledger if rival in line.effects and set(line.beside) == rest]
+            if fits:  # an effect replaced in a split was never tried beside the other of the pair
                 pairs.append(pair(name, rival, fits))
-    others = [one.fit for one in ledger if _own(one.fit, found) and _own(found, one.fit) and not _holds(one.fit, found)]
+    tried = (line.fit for line in ledger)
+    others = [one for one in tried if _only_in(one, found) and _only_in(found, one) and not _contains(one, found)]
     if not pairs and others:
         nearest = min(others, key=criterion.value)
-        pairs.append(pair(" + ".join(_own(found, nearest)), " + ".join(_own(nearest, found)), [nearest]))
+        pairs.append(pair(" + ".join(_only_in(found, nearest)), " + ".join(_only_in(nearest, found)), [nearest]))
     return pairs
 
 
-def _holds(one: Fit, found: Fit) -> bool:
-    """Whether a law of more numbers explains as much: it holds what was found, and no recording tells them apart."""
-    return len(one.theta) > len(found.theta) and one.deviance < found.deviance + _EQUAL
+def _contains(fit: Fit, found: Fit) -> bool:
+    """Whether a fit with more parameters explains as much, so that no recording would distinguish it."""
+    return len(fit.theta) > len(found.theta) and fit.deviance < found.deviance + _EQUAL
 
 
-def _own(one: Fit, other: Fit) -> list[str]:
-    """What `one` has and `other` has not."""
-    mine = [name for name in one.hypothesis.names if name not in other.hypothesis.names]
-    spline, theirs = one.hypothesis.spline, other.hypothesis.spline
+def _only_in(fit: Fit, other: Fit) -> list[str]:
+    """Names of the terms of `fit` that `other` lacks."""
+    names = [name for name in fit.hypothesis.names if name not in other.hypothesis.names]
+    spline, theirs = fit.hypothesis.spline, other.hypothesis.spline
     if spline is not None and (
         theirs is None or (spline.depends, spline.friction) != (theirs.depends, theirs.friction)
     ):
-        mine.append(spline.name)
-    return mine
+        names.append(spline.name)
+    return names
 
 
 def _sigma(problem: Problem, deviance: float) -> float:
-    """Standard deviations that a difference of deviances stands for."""
+    """Separation √(ΔD/ĉ) of a difference of deviance ΔD [σ]."""
     return math.sqrt(max(deviance, 0.0) / problem.settings.overdispersion)
 
 
-def _typical(found: Fit, name: str, room: Room) -> Terms:
-    """What was found with one more effect of typical size, in the middle of the room where it has a place."""
+def _with_typical_effect(found: Fit, name: str, envelope: OperatingEnvelope) -> Terms:
+    """The identified terms and one more effect of typical size, in the middle of the envelope if it has a place."""
     effect = CATALOGUE[name]
-    sizes = {one.name: room.middle if one.place else one.typical for one in effect.parameters}
+    sizes = {p.name: envelope.middle if p.place else p.typical for p in effect.parameters}
     return replace(found.terms, effects=(*found.terms.effects, Acting(effect, sizes)))
 
 
 def _proposal(
     problem: Problem,
     found: Fit,
-    room: Room,
-    made: Rehearsed,
+    envelope: OperatingEnvelope,
+    run: SimulatedRun,
     separations: tuple[Separation, ...],
     tried: Mapping[str, float],
 ) -> Proposal:
-    (profile,) = (one for one in LIBRARY if one.name == made.record.name)
+    (profile,) = (profile for profile in LIBRARY if profile.name == run.recording.name)
     return Proposal(
         profile,
-        made.record.time,
-        made.record.drive.states[:, 0],
-        made.reading,
+        run.recording.time,
+        run.recording.drive.states[:, 0],
+        run.reading,
         separations,
-        drift(problem, found, made),
+        open_loop_drift(problem, found, run),
         tried,
-        room,
+        envelope,
     )

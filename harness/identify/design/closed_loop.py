@@ -1,7 +1,7 @@
-"""A rehearsal: the model plays a move in closed loop, so that its ball stays on the beam; the beam's angle is kept.
+"""Closed-loop simulation of a motion, which yields a beam angle that keeps the ball on the beam.
 
-The beam is a servo with limits; the ball is held to its target by state feedback. The model then plays the angle alone,
-through the filter itself, with no reading but the first: that is the noiseless recording which it expects.
+The beam is a servo with limits, and the ball follows its target by state feedback. The resulting angle is then run
+through the filter with the first reading only, which gives the noiseless recording that the model predicts.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from analytic.effects import parameters_with, transmission_with
 from analytic.motion import FloatArray
 from analytic.slots import ORIGIN
 from analytic.step import advance
-from harness.identify.design.excitation import Profile, Room
+from harness.identify.design.excitation import OperatingEnvelope, Profile
 from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -24,23 +24,23 @@ from harness.signals.drive import AngleSensor, Drive
 from harness.signals.spline_smoother import Smoothed
 
 _STIFFEST = 28.0  # [1/s]: 2 ζ ω₀ of a servo with ω₀ = 14 rad/s and ζ = 1
-_SOFTER = 12.0  # a third of the largest angle, asked for at once, then takes all of the acceleration
-_SHARE = 0.9  # of the limits that the servo uses; it overshoots a little
-_ATTEMPTS = 5  # a move that the rig cannot make is tried smaller
+_SOFTER = 12.0  # limits the stiffness so that a step of a third of the largest angle needs the largest acceleration
+_SHARE = 0.9  # share of the limits that the servo uses, since it overshoots slightly
+_ATTEMPTS = 5  # simulations with decreasing size of a motion that exceeds the envelope
 
 
 @dataclass(frozen=True, eq=False)
-class Rehearsed:
-    """A move as a model expects it.
+class SimulatedRun:
+    """A simulated motion.
 
     Attributes:
-        record: stamps, the beam's motion, and the first reading alone.
-        reading: what the sensor would record without noise, shape (n,) [m].
+        recording: stamps, beam motion, and the first reading only.
+        reading: noiseless sensor output, shape (n,) [m].
         position: s, shape (n,) [m].
-        size: by which the move was made smaller [1].
+        size: factor by which the motion was scaled down [1].
     """
 
-    record: PreparedRecording
+    recording: PreparedRecording
     reading: FloatArray
     position: FloatArray
     size: float
@@ -61,10 +61,10 @@ def _play(
     states: FloatArray,
     ball: FloatArray,
 ) -> None:
-    """Let the servo turn while feedback holds the ball to `target`, shape (n,) [m].
+    """Simulate servo and ball while feedback makes the ball follow `target`, shape (n,) [m].
 
-    Fills `states`, α, α̇, α̈ of the measured angle, shape (n, 3), and `ball`, s, shape (n,) [m]. α̈ runs linearly between
-    stamps. The beam is `gain` times the angle, behind play of ± `half` [rad]; `limits` are those of α, α̇, α̈.
+    Fills `states`, α, α̇, α̈ of the measured angle, shape (n, 3), and `ball`, s, shape (n,) [m]. α̈ is linear between
+    stamps. The beam is `gain` times the angle, with backlash ± `half` [rad]; `limits` are those of α, α̇, α̈.
     """
     s, v, w, turned, rate, bent = target[0], 0.0, 0.0, 0.0, 0.0, 0.0
     beam, speed = 0.0, 0.0
@@ -74,8 +74,8 @@ def _play(
         states[k, 0], states[k, 1], states[k, 2], ball[k] = turned, rate, bent, s
         ahead, behind = min(k + 1, last), max(k - 1, 0)
         slope = (target[ahead] - target[behind]) / (dt * max(ahead - behind, 1))
-        curve = (target[ahead] - 2.0 * target[k] + target[behind]) / dt**2 if 0 < k < last else 0.0
-        wanted = (curve + hold**2 * (target[k] - s) + 2.0 * hold * (slope - v)) / pull + push[k]
+        bend = (target[ahead] - 2.0 * target[k] + target[behind]) / dt**2 if 0 < k < last else 0.0
+        wanted = (bend + hold**2 * (target[k] - s) + 2.0 * hold * (slope - v)) / pull + push[k]
         wanted = min(max(wanted, -limits[0]), limits[0])
         quick = min(max(0.25 * servo * (wanted - turned), -limits[1]), limits[1])
         asked = min(max(servo * (quick - rate), -limits[2]), limits[2])
@@ -93,38 +93,44 @@ def _play(
         beam, speed = next_beam, next_speed
 
 
-def rehearse(problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room) -> Rehearsed | None:
-    """What the model with these `values` expects of a profile; `None` where the ball cannot be kept in the room.
+def simulate_closed_loop(
+    problem: Problem, values: Terms, process_noise: float, profile: Profile, envelope: OperatingEnvelope
+) -> SimulatedRun | None:
+    """A profile as the model with these terms predicts it; `None` if it cannot be kept within the envelope.
 
-    A ball out of balance begins with φ₀ = 0; a curve of time is bound to its own recordings and is not expected again.
+    φ₀ is 0. A spline term of time belongs to its own recordings and is left out.
     """
     size = 1.0
-    for _ in range(_ATTEMPTS if room.usable else 0):
-        states, ball = _perform(problem, values, profile, room, size)
-        beyond = float(np.max(np.abs(ball - room.middle))) / room.reach
-        if beyond <= 1.0 and np.all(np.abs(states).max(axis=0) <= room.limits):
-            made = _expect(problem, values, process_noise, profile, room, size, states, ball)
-            if room.low <= made.position.min() and made.position.max() <= room.high:
-                return made
-        size *= min(0.9, 0.95 / beyond)
+    for _ in range(_ATTEMPTS if envelope.usable else 0):
+        states, ball = _simulate(problem, values, profile, envelope, size)
+        excess = float(np.max(np.abs(ball - envelope.middle))) / envelope.reach
+        if excess <= 1.0 and np.all(np.abs(states).max(axis=0) <= envelope.limits):
+            run = _predict(problem, values, process_noise, profile, envelope, size, states, ball)
+            if envelope.low <= run.position.min() and run.position.max() <= envelope.high:
+                return run
+        size *= min(0.9, 0.95 / excess)
     return None
 
 
-def with_others(
-    problem: Problem, values: Terms, process_noise: float, profile: Profile, room: Room, made: Rehearsed
-) -> Rehearsed:
-    """The same move, of the same size, where other `values` act: the feedback then turns the beam otherwise."""
-    return _expect(
-        problem, values, process_noise, profile, room, made.size, *_perform(problem, values, profile, room, made.size)
-    )
+def simulate_with_terms(
+    problem: Problem,
+    values: Terms,
+    process_noise: float,
+    profile: Profile,
+    envelope: OperatingEnvelope,
+    run: SimulatedRun,
+) -> SimulatedRun:
+    """The motion of `run`, in the same size, with other terms, for which the feedback moves the beam differently."""
+    loop = _simulate(problem, values, profile, envelope, run.size)
+    return _predict(problem, values, process_noise, profile, envelope, run.size, *loop)
 
 
-def _perform(
-    problem: Problem, values: Terms, profile: Profile, room: Room, size: float
+def _simulate(
+    problem: Problem, values: Terms, profile: Profile, envelope: OperatingEnvelope, size: float
 ) -> tuple[FloatArray, FloatArray]:
-    """States of the measured angle, shape (n, 3), and where the ball is, shape (n,) [m]."""
-    move, push = profile.move(room.time, room)
-    target, push = room.middle + size * move, size * push
+    """α, α̇, α̈ of the measured angle in closed loop, shape (n, 3), and the ball position s, shape (n,) [m]."""
+    move, push = profile.move(envelope.time, envelope)
+    target, push = envelope.middle + size * move, size * push
     effects = (*problem.declared, *values.effects)
     p = parameters_with(problem.model, problem.rig, effects)
     p[ORIGIN] = target[0]
@@ -133,18 +139,18 @@ def _perform(
         spline.write(p)
     transmission = transmission_with(effects)
     states, ball = np.empty((len(target), 3)), np.empty(len(target))
-    # As stiff as readings this far apart allow, and no stiffer than its acceleration is good for.
-    servo = min(_STIFFEST, 0.5 / room.interval, np.sqrt(_SOFTER * room.acceleration / room.angle))
+    # The stiffness is limited by the sampling interval and by the largest acceleration.
+    servo = min(_STIFFEST, 0.5 / envelope.interval, np.sqrt(_SOFTER * envelope.acceleration / envelope.angle))
     _play(
         target,
         push,
-        room.interval,
+        envelope.interval,
         p,
         transmission.gain,
         0.5 * transmission.play,
         profile.hold,
-        room.pull,
-        _SHARE * room.limits,
+        envelope.pull,
+        _SHARE * envelope.limits,
         servo,
         states,
         ball,
@@ -152,32 +158,32 @@ def _perform(
     return states, ball
 
 
-def _expect(
+def _predict(
     problem: Problem,
     values: Terms,
     process_noise: float,
     profile: Profile,
-    room: Room,
+    envelope: OperatingEnvelope,
     size: float,
     states: FloatArray,
     ball: FloatArray,
-) -> Rehearsed:
+) -> SimulatedRun:
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
-    record = PreparedRecording(profile.name, room.time, reading, drive_through(room.time, states))
-    expected = run_filter(problem, record, repeated(values), process_noise, phase=0.0)
-    return Rehearsed(record, expected.recorded, expected.state[:, 0], size)
+    recording = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
+    expected = run_filter(problem, recording, repeated(values), process_noise, phase=0.0)
+    return SimulatedRun(recording, expected.recorded, expected.state[:, 0], size)
 
 
 def repeated(values: Terms) -> Terms:
-    """What acts in another recording as well: all but a curve of time."""
+    """The terms that act in other recordings too: all but a spline term of time."""
     if values.spline is not None and values.spline.depends is Regressor.TIME:
         return replace(values, spline=None)
     return values
 
 
 def drive_through(time: FloatArray, states: FloatArray) -> Drive:
-    """The beam's motion through α, α̇, α̈ that are known exactly, shape (n, 3), at `time`, shape (n,) [s]."""
-    nothing = np.zeros((len(time), 3, 3))
-    smoothed = Smoothed(time, states, nothing, np.zeros(len(time) - 1), 0.0)
+    """The drive through exactly known α, α̇, α̈, shape (n, 3), at `time`, shape (n,) [s]."""
+    covariance = np.zeros((len(time), 3, 3))
+    smoothed = Smoothed(time, states, covariance, np.zeros(len(time) - 1), 0.0)
     return Drive(time, states, np.zeros_like(states), AngleSensor(0.0, 0.0, False), 1.0, smoothed, np.zeros(len(time)))

@@ -1,9 +1,9 @@
-"""How far a new recording sets a rival apart: its numbers and its process noise are fitted to what is expected.
+"""Expected deviance of a rival on a simulated recording, with its parameters and process noise fitted to it.
 
-A model that lacks something lays it to the process noise, as far as that pays: the filter then follows the readings
-instead of the law. Half of the work is therefore to know what a larger process noise costs and what it takes away. For
-a ball on a beam, a double integrator read at even intervals, both are known in closed form once the filter is steady:
-innovations at one density follow from those at another by a linear filter of second order.
+A misspecified model absorbs missing physics as process noise: the filter then follows the readings instead of the law.
+The rival is therefore rated at the process noise of lowest deviance. For a double integrator with equidistant readings
+the steady-state filter of each process noise density is known in closed form, and the innovations at one density follow
+from those at another by a linear filter of second order.
 """
 
 from __future__ import annotations
@@ -16,34 +16,36 @@ from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
-from harness.identify.design.closed_loop import Rehearsed, repeated
+from harness.identify.design.closed_loop import SimulatedRun, repeated
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
 from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import Problem
 
-_STEP = 1e-2  # of slopes, in scaled numbers
-_SHARES = (1.0, 0.5, 0.25)  # of a Gauss–Newton step, tried until one helps
-_PHASES = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-_RANK = 1e-10  # of slopes, below which a number is held by nothing and stays
-# Process noise that a rival may come to [m²/s³], in steps of a factor of four: the deviance is flat around its least,
-# and half a step from there costs less than one.
-_LARGEST, _APART = 1e-1, 1.4
-_LEAST_NOISE = 1e-14  # of a reading [m²]: of readings without any, no filter has a steady state
-_OPEN = 1e-4  # with which the filter runs: wrong numbers then leave innovations of a few deviations at most [m²/s³]
+_STEP = 1e-2  # of finite differences, in scaled parameters
+_SHARES = (1.0, 0.5, 0.25)  # of a Gauss–Newton step, tried until one lowers the deviance
+_PHASES = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)  # initial values of φ₀ [rad]
+_RANK = 1e-10  # relative size of singular values below which parameters are undetermined and stay as they are
+# Largest process noise of a rival [m²/s³], and the log of the ratio of neighbouring densities, a factor of four: the
+# deviance half a ratio from its minimum is less than 1 higher.
+_LARGEST, _LOG_RATIO = 1e-1, 1.4
+_SMALLEST_VARIANCE = 1e-14  # of a reading [m²]: without any noise the filter has no steady state
+_OPEN = (
+    1e-4  # process noise with which recordings are filtered: wrong parameters then give innovations of few σ [m²/s³]
+)
 
 
 @dataclass(frozen=True)
-class Noises:
-    """Steady filters of one sensor, one for each density of the process noise.
+class SteadyFilters:
+    """Steady-state filters of one sensor for d densities of the process noise.
 
     Attributes:
-        density: shape (d,), the first is the true one [m²/s³].
-        innovation_variance: as the filter takes it, shape (d,) [m²].
-        cost: what each reading adds to the deviance beyond what it adds at the true density, shape (d,).
-        poles: denominator of the transfer from the path's error to innovations, shape (d, 3).
-        open: the same with which recordings are filtered, shape (3,).
+        process_noise: densities, the first the true one, shape (d,) [m²/s³].
+        innovation_variance: S assumed by each filter, shape (d,) [m²].
+        cost: expected deviance per reading minus that at the true density, shape (d,).
+        poles: denominator of the transfer function from position error to innovation, shape (d, 3).
+        open: the same at the process noise with which recordings are filtered, shape (3,).
     """
 
     process_noise: FloatArray
@@ -53,89 +55,91 @@ class Noises:
     open: FloatArray
 
     @classmethod
-    def of(cls, interval: float, noise: float, process_noise: float) -> Noises:
-        """For readings every `interval` [s] of variance `noise` [m²], where the process noise truly has `density`."""
-        noise = max(noise, _LEAST_NOISE)
-        count = max(math.ceil(math.log(_LARGEST / process_noise) / _APART), 0) + 1
-        process_noises = process_noise * np.exp(_APART * np.arange(count))
-        each = [_steady(interval, noise, one, process_noise) for one in process_noises]
-        variance = np.array([one[0] for one in each])
-        cost = np.array([math.log(one[0]) + one[1] / one[0] for one in each])
-        poles = np.array([one[2] for one in each])
-        return cls(process_noises, variance, cost - cost[0], poles, _steady(interval, noise, _OPEN, process_noise)[2])
+    def of(cls, interval: float, reading_variance: float, process_noise: float) -> SteadyFilters:
+        """Filters for a sampling interval [s], a reading variance [m²] and a true process noise [m²/s³]."""
+        R = max(reading_variance, _SMALLEST_VARIANCE)
+        count = max(math.ceil(math.log(_LARGEST / process_noise) / _LOG_RATIO), 0) + 1
+        densities = process_noise * np.exp(_LOG_RATIO * np.arange(count))
+        assumed, actual, poles = zip(*(_steady(interval, R, q, process_noise) for q in densities), strict=True)
+        variance = np.array(assumed)
+        cost = np.log(variance) + np.array(actual) / variance
+        return cls(densities, variance, cost - cost[0], np.array(poles), _steady(interval, R, _OPEN, process_noise)[2])
 
-    def filtered(self, misses: FloatArray) -> FloatArray:
-        """What innovations, shape (n, c), are at every density, shape (d, n, c)."""
-        return np.array([lfilter(self.open, poles, misses, axis=0) for poles in self.poles])
+    def filtered(self, innovations: FloatArray) -> FloatArray:
+        """Innovations at the process noise of `open`, shape (n, c), transformed to every density, shape (d, n, c)."""
+        return np.array([lfilter(self.open, poles, innovations, axis=0) for poles in self.poles])
 
-    def deviance(self, misses: FloatArray) -> float:
-        """Of mean innovations, shape (n,) [m], beyond that of the true filter, at the density where it is least."""
-        each = self.filtered(misses[:, None])[:, :, 0] / np.sqrt(self.innovation_variance)[:, None]
-        return float(np.min(penalty(each).sum(axis=1) + self.cost * len(misses)))
+    def deviance(self, innovations: FloatArray) -> float:
+        """Lowest deviance over the densities minus that of the true filter, of mean innovations, shape (n,) [m]."""
+        ratios = self.filtered(innovations[:, None])[:, :, 0] / np.sqrt(self.innovation_variance)[:, None]
+        return float(np.min(penalty(ratios).sum(axis=1) + self.cost * len(innovations)))
 
-    def step(self, misses: FloatArray, slopes: FloatArray) -> FloatArray:
-        """Of numbers, shape (k,), that takes the deviance furthest down; slopes of the innovations, shape (n, k)."""
+    def step(self, innovations: FloatArray, slopes: FloatArray) -> FloatArray:
+        """Gauss–Newton step of scaled parameters, shape (k,), at the best density, from the Jacobian, shape (n, k)."""
         best, least = np.zeros(slopes.shape[1]), math.inf
-        each = self.filtered(np.column_stack((misses, slopes))) / np.sqrt(self.innovation_variance)[:, None, None]
-        for ratio, cost in zip(each, self.cost, strict=True):
+        columns = self.filtered(np.column_stack((innovations, slopes)))
+        for ratio, cost in zip(columns / np.sqrt(self.innovation_variance)[:, None, None], self.cost, strict=True):
             here, slope = ratio[:, 0], ratio[:, 1:]
             step = -np.linalg.pinv(slope.T @ slope, rcond=_RANK, hermitian=True) @ (slope.T @ here)
-            deviance = float(penalty(here + slope @ step).sum()) + cost * len(misses)
+            deviance = float(penalty(here + slope @ step).sum()) + cost * len(innovations)
             if deviance < least:
                 best, least = step, deviance
         return best
 
 
-def _steady(interval: float, noise: float, process_noise: float, true: float) -> tuple[float, float, FloatArray]:
-    """Variance of innovations as a filter of this density takes it, as it truly is [m²], and the filter's poles."""
+def _steady(interval: float, R: float, process_noise: float, true: float) -> tuple[float, float, FloatArray]:
+    """Innovation variance assumed by a steady-state filter, the actual one at the `true` density [m²], its poles."""
     F = np.array([[1.0, interval], [0.0, 1.0]])
     white = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    P = solve_discrete_are(F.T, np.array([[1.0], [0.0]]), process_noise * white, np.array([[noise]]))
-    variance = float(P[0, 0]) + noise
-    gain = F @ P[:, :1] / variance
+    P = solve_discrete_are(F.T, np.array([[1.0], [0.0]]), process_noise * white, np.array([[R]]))
+    S = float(P[0, 0]) + R
+    gain = F @ P[:, :1] / S
     closed = F - gain @ np.array([[1.0, 0.0]])
-    error = solve_discrete_lyapunov(closed, true * white + noise * gain @ gain.T)
-    return variance, float(error[0, 0]) + noise, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
+    error = solve_discrete_lyapunov(closed, true * white + R * gain @ gain.T)
+    return S, float(error[0, 0]) + R, np.array([1.0, -np.trace(closed), np.linalg.det(closed)])
 
 
-def mean_innovations(problem: Problem, made: Rehearsed, values: Terms) -> FloatArray:
-    """What a model misses of a recording without noise, shape (n − 1,) [m], at the process noise of `Noises.open`."""
+def mean_innovations(problem: Problem, run: SimulatedRun, values: Terms) -> FloatArray:
+    """Innovations of a model on a noiseless recording, at the process noise of `SteadyFilters.open`, (n − 1,) [m]."""
     at = repeated(values)
-    out = run_filter(problem, made.record, at, _OPEN, phase=float(at.phases[0]), reading=made.reading)
+    out = run_filter(problem, run.recording, at, _OPEN, phase=float(at.phases[0]), reading=run.reading)
     return out.innovation[1:]
 
 
-def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, rounds: int = 1) -> float:
-    """What a new recording adds to a rival's deviance over that of the model which the recording is expected from.
+def rival_deviance(
+    problem: Problem, run: SimulatedRun, rival: Fit, steady_filters: SteadyFilters, *, rounds: int = 1
+) -> float:
+    """Deviance of a rival minus that of the true model on a simulated recording.
 
-    The rival's numbers and process noise are fitted to the new recording alone. Recordings diagnosed together are
-    separated by at least the sum of what each of them gives: a rival's numbers then have to do for all.
+    The rival's parameters and process noise are fitted to this recording alone, which gives a lower bound for several
+    recordings together.
 
     Args:
-        noises: for the problem's sensor, the model's process noise first.
+        run: the recording that the true model predicts.
+        steady_filters: for the problem's sensor, with the true process noise first.
         rounds: Gauss–Newton steps.
     """
-    alone = replace(problem, recordings=(made.record,))
+    alone = replace(problem, recordings=(run.recording,))
     hypothesis = rival.hypothesis
     low, high = hypothesis.bounds(alone)
 
-    def misses(theta: FloatArray) -> FloatArray:
-        return mean_innovations(problem, made, hypothesis.terms(theta, alone))
+    def innovations(theta: FloatArray) -> FloatArray:
+        return mean_innovations(problem, run, hypothesis.terms(theta, alone))
 
-    theta = _carried(problem, alone, rival)
+    theta = _for_new_recording(problem, alone, rival)
     if hypothesis.turning:
-        turned = theta + np.outer(_PHASES, np.arange(len(theta)) == len(hypothesis.parameters))
-        theta = min(turned, key=lambda each: float(np.sum(misses(each) ** 2)))
-    here = misses(theta)
-    least = noises.deviance(here)
+        starts = theta + np.outer(_PHASES, np.arange(len(theta)) == len(hypothesis.parameters))
+        theta = min(starts, key=lambda start: float(np.sum(innovations(start) ** 2)))
+    here = innovations(theta)
+    least = steady_filters.deviance(here)
     for _ in range(rounds if len(theta) else 0):
         moves = np.diag(np.where(theta + _STEP <= high, _STEP, -_STEP))
-        slopes = np.column_stack([(misses(theta + move) - here) / move.sum() for move in moves])
-        step = noises.step(here, slopes)
+        slopes = np.column_stack([(innovations(theta + move) - here) / move.sum() for move in moves])
+        step = steady_filters.step(here, slopes)
         for share in _SHARES:
             end = np.clip(theta + share * step, low, high)
-            there = misses(end)
-            deviance = noises.deviance(there)
+            there = innovations(end)
+            deviance = steady_filters.deviance(there)
             if deviance < least:
                 theta, here, least = end, there, deviance
                 break
@@ -144,22 +148,22 @@ def regained(problem: Problem, made: Rehearsed, rival: Fit, noises: Noises, *, r
     return least
 
 
-def _carried(problem: Problem, alone: Problem, rival: Fit) -> FloatArray:
-    """A rival's scaled numbers for a new recording, in which the ball lies as nobody knows."""
-    hypothesis = rival.hypothesis
+def _for_new_recording(problem: Problem, alone: Problem, fit: Fit) -> FloatArray:
+    """Scaled parameters of a fit for a single new recording, with φ₀ = 0 in place of those of the old ones."""
+    hypothesis = fit.hypothesis
     effects, more = len(hypothesis.parameters), hypothesis.size(problem) - hypothesis.size(alone)
     if not hypothesis.turning:
-        return rival.theta
-    return np.concatenate((rival.theta[:effects], [0.0], rival.theta[effects + more + 1 :]))
+        return fit.theta
+    return np.concatenate((fit.theta[:effects], [0.0], fit.theta[effects + more + 1 :]))
 
 
-def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
-    """How far the ball may be from where it is expected at the end, if nobody corrects the angle [m].
+def open_loop_drift(problem: Problem, found: Fit, run: SimulatedRun) -> float:
+    """Standard deviation of the ball's final position if the angle is replayed without feedback [m].
 
-    The process noise, integrated twice, and what the fit leaves open, one standard deviation along each axis of it.
+    From the process noise, integrated twice, and the parameters, along the principal axes of their covariance.
     """
-    alone = replace(problem, recordings=(made.record,))
-    theta, size = _carried(problem, alone, found), len(found.hypothesis.parameters)
+    alone = replace(problem, recordings=(run.recording,))
+    theta, size = _for_new_recording(problem, alone, found), len(found.hypothesis.parameters)
     scale = found.hypothesis.scale(alone)
     low, high = found.hypothesis.bounds(alone)
     values, vectors = np.linalg.eigh(found.covariance[:size, :size] / np.outer(scale[:size], scale[:size]))
@@ -168,7 +172,7 @@ def drift(problem: Problem, found: Fit, made: Rehearsed) -> float:
         moved = theta.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
         at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
-        out = run_filter(problem, made.record, at, found.process_noise, phase=0.0)
-        square += float(out.recorded[-1] - made.reading[-1]) ** 2
-    noise = found.process_noise * (made.record.time[-1] - made.record.time[0]) ** 3 / 3.0
+        out = run_filter(problem, run.recording, at, found.process_noise, phase=0.0)
+        square += float(out.recorded[-1] - run.reading[-1]) ** 2
+    noise = found.process_noise * (run.recording.time[-1] - run.recording.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

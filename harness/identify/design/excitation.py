@@ -1,8 +1,7 @@
-"""Moves that a next experiment may make, each as a target for the ball and a push on the beam.
+"""Library of motions for the next experiment, and the operating envelope of the rig.
 
-A beam angle that is laid down beforehand runs the ball off the beam, for the ball integrates it twice. Moves are
-therefore laid down as where the ball should be; the angle follows from a simulated
-closed loop (`harness.identify.design.closed_loop`).
+The ball integrates the beam angle twice, so that a prescribed angle lets it run off the beam. Motions are therefore
+target positions of the ball, and the angle follows from a simulated closed loop (`design.closed_loop`).
 """
 
 from __future__ import annotations
@@ -15,23 +14,23 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import Problem
 
-DURATION = 16.0  # [s]
-_HEADROOM = 1.2  # by which a rig may go beyond what the recordings show of it
-_END = 0.05  # that stays free at either end of a beam [m]
-_LEAST = 2e-3  # reach in which a ball can be moved [m]: some readings' noise
-_OUTER = (0.5, 99.5)  # percentiles: what lies beyond may be a spike or the smoother's
-_FASTEST = 200.0  # [Hz]: readings that come faster say little more of the moves and take longer to judge
+DURATION = 16.0  # of an experiment [s]
+_HEADROOM = 1.2  # factor by which the limits exceed those seen in the recordings
+_END = 0.05  # distance that the ball keeps from either end of the beam [m]
+_SMALLEST = 2e-3  # smallest usable reach of the ball [m]: several times the noise of a reading
+_OUTER = (0.5, 99.5)  # percentiles that exclude outliers and artefacts of the smoother
+_FASTEST = 200.0  # highest sampling rate [Hz]: a higher one adds little and takes longer to simulate
 
 
 @dataclass(frozen=True)
-class Room:
-    """What a rig is known to do, for nobody declares its limits.
+class OperatingEnvelope:
+    """Ranges that a proposed experiment may use, as far as the recordings show them.
 
     Attributes:
-        low, high: where the ball may be [m].
-        angle, rate, acceleration: of the beam, largest sizes [rad, rad/s, rad/s²].
-        interval: between readings [s].
-        pull: acceleration of the ball per angle, K g [m/s² per rad].
+        low, high: range of the ball position [m].
+        angle, rate, acceleration: largest sizes of α, α̇, α̈ [rad, rad/s, rad/s²].
+        interval: sampling interval [s].
+        pull: acceleration of the ball per beam angle, K g [m/s² per rad].
     """
 
     low: float
@@ -44,17 +43,17 @@ class Room:
 
     @property
     def middle(self) -> float:
-        """Between the ends [m]."""
+        """Middle of the position range [m]."""
         return 0.5 * (self.low + self.high)
 
     @property
     def reach(self) -> float:
-        """From the middle to either end [m]."""
+        """Half of the position range [m]."""
         return 0.5 * (self.high - self.low)
 
     @property
     def limits(self) -> FloatArray:
-        """Of α, α̇, α̈, shape (3,)."""
+        """Limits of α, α̇, α̈, shape (3,)."""
         return np.array([self.angle, self.rate, self.acceleration])
 
     @property
@@ -64,31 +63,31 @@ class Room:
 
     @property
     def usable(self) -> bool:
-        """Whether a ball can be moved in it at all."""
-        return self.reach > _LEAST and bool(np.all(self.limits > 0.0))
+        """Whether the ball can be moved within it."""
+        return self.reach > _SMALLEST and bool(np.all(self.limits > 0.0))
 
     def quickest(self, amplitude: float) -> float:
-        """Angular frequency at which a ball that swings by `amplitude` [m] asks for two thirds of what there is.
+        """Angular frequency [rad/s] at which an oscillation of `amplitude` a [m] needs two thirds of a limit.
 
-        α = a ω²/(K g), and a power of ω more for each derivative; in [rad/s].
+        α = a ω²/(K g), with a further power of ω for each derivative.
         """
         angle = 1.5 * amplitude / self.pull
         limits = (self.angle / angle) ** (1 / 2), (self.rate / angle) ** (1 / 3), (self.acceleration / angle) ** (1 / 4)
         return float(min(limits))
 
 
-def room_of(problem: Problem, length: float | None = None) -> Room:
-    """What the recordings show that the rig can do, and a fifth more; on a beam of known `length` [m] the ball may go
-    up to 5 cm from either end, else no further than it went."""
-    ball = np.concatenate([record.reading[np.isfinite(record.reading)] for record in problem.recordings])
+def envelope_of(problem: Problem, length: float | None = None) -> OperatingEnvelope:
+    """Envelope from the recordings, with a fifth more for the beam; a beam of known `length` [m] extends the range of
+    the ball up to 5 cm from either end."""
+    ball = np.concatenate([recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings])
     low, high = np.percentile(ball, _OUTER).tolist()
-    if length is not None and low >= 0.0 and high <= length:  # it is counted from the beam's end
+    if length is not None and low >= 0.0 and high <= length:  # position is measured from the beam's end
         low, high = min(low, _END), max(high, length - _END)
-    states = np.abs(np.concatenate([record.drive.states for record in problem.recordings]))
+    states = np.abs(np.concatenate([recording.drive.states for recording in problem.recordings]))
     angle = float(states[:, 0].max())
     rate, acceleration = np.percentile(states[:, 1:], _OUTER[1], axis=0).tolist()
-    interval = float(np.median(np.concatenate([np.diff(record.time) for record in problem.recordings])))
-    return Room(
+    interval = float(np.median(np.concatenate([np.diff(recording.time) for recording in problem.recordings])))
+    return OperatingEnvelope(
         low,
         high,
         _HEADROOM * angle,
@@ -99,20 +98,20 @@ def room_of(problem: Problem, length: float | None = None) -> Room:
     )
 
 
-Move = Callable[[FloatArray, Room], tuple[FloatArray, FloatArray]]
-"""(stamps, shape (n,) [s], room) -> where the ball should be, relative to the middle [m], and what is added to the beam
-angle that keeps it there [rad], shape (n,) each."""
+Move = Callable[[FloatArray, OperatingEnvelope], tuple[FloatArray, FloatArray]]
+"""(stamps, shape (n,) [s], envelope) -> target of the ball relative to the middle [m], and an angle that is added to
+that of the position controller [rad], shape (n,) each."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """One entry of the library.
+    """A motion of the library.
 
     Attributes:
-        name: for results.
-        words: what it does, for people.
-        move: the law.
-        hold: natural frequency with which the target is followed [rad/s].
+        name: identifier in results.
+        words: description for the report.
+        move: target and added angle.
+        hold: natural frequency of the position controller [rad/s].
     """
 
     name: str
@@ -121,98 +120,99 @@ class Profile:
     hold: float = 2.5
 
 
-def _envelope(time: FloatArray, span: float = 1.0) -> FloatArray:
-    """From 0 to 1 without a jolt."""
+def _ramp(time: FloatArray, span: float = 1.0) -> FloatArray:
+    """Smooth transition from 0 to 1 within `span` [s], with a continuous rate."""
     x = np.clip(time / span, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
 def _swing(share: float, period: float | None) -> Move:
-    """A sine over a share of the reach; as quick as the rig allows where no period is given [s]."""
+    """A sine over a share of the reach, with a period [s] or as fast as the envelope allows."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        amplitude = share * room.reach
-        most = room.quickest(amplitude)
-        omega = most if period is None else min(2.0 * np.pi / period, most)
-        return amplitude * _envelope(time) * np.sin(omega * time), np.zeros_like(time)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        amplitude = share * envelope.reach
+        fastest = envelope.quickest(amplitude)
+        omega = fastest if period is None else min(2.0 * np.pi / period, fastest)
+        return amplitude * _ramp(time) * np.sin(omega * time), np.zeros_like(time)
 
     return move
 
 
 def _places(shares: tuple[float, ...], share: float = 0.0) -> Move:
-    """From place to place, each a share of the reach from the middle, and a swing of `share` of the reach at each."""
+    """Equal dwells at positions given as shares of the reach, with a sine of `share` of the reach at each."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
         dwell = DURATION / len(shares)
         number = np.minimum((time / dwell).astype(int), len(shares) - 1)
         before = np.array([0.0, *shares])[number]
         after = np.array(shares)[number]
         since = time - dwell * number
-        quick = np.pi / room.quickest(0.5 * room.reach * max(np.ptp([0.0, *shares]), 0.2))
-        target = before + (after - before) * _envelope(since, min(quick, 0.8 * dwell))
-        swing = share * np.sin(room.quickest(share * room.reach) * time) if share else 0.0
-        return room.reach * (target + swing), np.zeros_like(time)
+        quick = np.pi / envelope.quickest(0.5 * envelope.reach * max(np.ptp([0.0, *shares]), 0.2))
+        target = before + (after - before) * _ramp(since, min(quick, 0.8 * dwell))
+        swing = share * np.sin(envelope.quickest(share * envelope.reach) * time) if share else 0.0
+        return envelope.reach * (target + swing), np.zeros_like(time)
 
     return move
 
 
 def _ramps(share: float, period: float) -> Move:
-    """To and fro at constant speed."""
+    """A triangle wave of a share of the reach, with a period [s]: constant speed to and fro."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
         wave = 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
-        return share * room.reach * wave, np.zeros_like(time)
+        return share * envelope.reach * wave, np.zeros_like(time)
 
     return move
 
 
 def _chirp(share: float) -> Move:
-    """A sine that grows from slow to as quick as the rig allows."""
+    """A sine whose frequency rises from 0.5 rad/s to as fast as the envelope allows."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        amplitude = share * room.reach
-        slow, quick = 0.5, max(room.quickest(amplitude), 0.5)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        amplitude = share * envelope.reach
+        slow, quick = 0.5, max(envelope.quickest(amplitude), 0.5)
         phase = slow * time + 0.5 * (quick - slow) * time**2 / DURATION
-        return amplitude * _envelope(time) * np.sin(phase), np.zeros_like(time)
+        return amplitude * _ramp(time) * np.sin(phase), np.zeros_like(time)
 
     return move
 
 
 def _sines(share: float) -> Move:
-    """Four sines together, with the phases of Schroeder (IEEE Trans. Information Theory 16, 1970): a flat sum."""
+    """Four sines with the phases of Schroeder (IEEE Trans. Information Theory 16, 1970), for a low crest factor."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        each = 0.5 * share * room.reach
-        quick = room.quickest(2.0 * each)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        amplitude = 0.5 * share * envelope.reach
+        fastest = envelope.quickest(2.0 * amplitude)
         number = np.arange(4)
-        waves = np.sin(np.outer(time, quick * (0.25 + 0.25 * number)) - np.pi * number * (number + 1) / 4)
-        return each * _envelope(time) * (waves - waves[0]).sum(axis=1) / 1.5, np.zeros_like(time)
+        waves = np.sin(np.outer(time, fastest * (0.25 + 0.25 * number)) - np.pi * number * (number + 1) / 4)
+        return amplitude * _ramp(time) * (waves - waves[0]).sum(axis=1) / 1.5, np.zeros_like(time)
 
     return move
 
 
 def _shaken(share: float, shares: tuple[float, ...], lowest: float, highest: float) -> Move:
-    """The beam is shaken by `share` of its angle, slowly to quickly [rad/s], while the ball is held place by place."""
+    """Four sines from `lowest` to `highest` [rad/s] added to the angle, a share of its limit, at each ball position."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        target, _ = _places(shares)(time, room)
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        target, _ = _places(shares)(time, envelope)
         omega = np.geomspace(lowest, highest, 4)
         number = np.arange(4)
-        # As large as the servo's rate and acceleration allow at each frequency.
+        # The largest amplitudes that rate and acceleration allow at each frequency.
         size = np.minimum(
-            0.25 * share * room.angle, np.minimum(0.2 * room.rate / omega, 0.2 * room.acceleration / omega**2)
+            0.25 * share * envelope.angle,
+            np.minimum(0.2 * envelope.rate / omega, 0.2 * envelope.acceleration / omega**2),
         )
         waves = np.sin(np.outer(time, omega) - np.pi * number * (number + 1) / 4) @ size
-        return target, _envelope(time) * waves
+        return target, _ramp(time) * waves
 
     return move
 
 
 def _tilts(share: float, period: float) -> Move:
-    """The beam is tilted slowly to and fro through the level, against a loosely held ball."""
+    """A triangle wave of a share of the largest angle, with a period [s], added to a weak position controller."""
 
-    def move(time: FloatArray, room: Room) -> tuple[FloatArray, FloatArray]:
-        push = share * room.angle * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
+    def move(time: FloatArray, envelope: OperatingEnvelope) -> tuple[FloatArray, FloatArray]:
+        push = share * envelope.angle * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * time / period))
         return np.zeros_like(time), push
 
     return move
@@ -236,4 +236,4 @@ LIBRARY = (
     Profile("shaking at ends", "the beam is shaken with the ball at either end", _shaken(0.4, (-0.6, 0.6), 2.0, 9.0)),
     Profile("slow tilts", "the beam tilts slowly through the level", _tilts(0.3, 6.0), 1.0),
 )
-"""What is tried, in the order in which equals are preferred."""
+"""The motions tried; of equal ones the first is preferred."""

@@ -1,31 +1,32 @@
-"""What is proposed as the next experiment, and what it is expected to tell."""
+"""The proposed next experiment and the separations expected from it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 
 from analytic.motion import FloatArray
-from harness.identify.design.excitation import Profile, Room
+from harness.identify.design.excitation import OperatingEnvelope, Profile
 
 NOTHING = "nothing"
-"""The rival of an effect that is to be seen at all."""
+"""The rival of an effect that is to be detected."""
 FILE = "next_experiment.csv"
 """Name of the table beside diagnosis.json."""
 MOST_RUNS = 10
-"""Of one experiment that anybody would make."""
+"""Largest number of repetitions that is proposed."""
 
 
 @dataclass(frozen=True)
 class Separation:
-    """How far two explanations are apart.
+    """Separation √(ΔD/ĉ) of the identified model from a rival.
 
     Attributes:
-        found, rival: what is to be told from what.
-        at_hand: on the recordings at hand [σ]; 0 where the rival even predicts better.
+        found, rival: names of the two.
+        at_hand: on the existing recordings [σ]; 0 if the rival predicts better.
         expected: on these and the new one together [σ].
-        needed: from which on they are told apart [σ].
+        needed: at which the two are distinguished [σ].
     """
 
     found: str
@@ -36,15 +37,15 @@ class Separation:
 
     @property
     def told(self) -> bool:
-        """Whether the new recording is expected to tell them apart."""
+        """Whether the new recording is expected to distinguish them."""
         return self.expected >= self.needed
 
     @property
     def runs(self) -> int:
-        """How often the experiment has to be run for that: every run adds as much to the square."""
-        each = self.expected**2 - self.at_hand**2
+        """Number of runs needed to distinguish them, at most MOST_RUNS + 1; each adds equally to the square."""
+        per_run = self.expected**2 - self.at_hand**2
         missing = self.needed**2 - self.at_hand**2
-        return math.ceil(min(max(missing / max(each, 1e-12), 1.0), MOST_RUNS + 1.0))
+        return math.ceil(min(max(missing / max(per_run, 1e-12), 1.0), MOST_RUNS + 1.0))
 
 
 @dataclass(frozen=True)
@@ -55,11 +56,11 @@ class Proposal:
         profile: of the library.
         time: stamps, shape (n,) [s].
         angle: of the beam, shape (n,) [rad].
-        reading: what the position sensor should record, shape (n,) [m].
-        separations: what it would tell apart; against `nothing`, where an effect of typical size would be seen.
-        drift: standard deviation of where the ball is at the end if the angle is played without feedback [m].
-        tried: every profile that the rig can make, with its smallest separation [σ], or how many effects it shows.
-        room: what the rig is taken to be able to do.
+        reading: predicted position readings, shape (n,) [m].
+        separations: expected ones from each rival; from `NOTHING` for effects of typical size that are to be detected.
+        open_loop_drift: standard deviation of the final position if the angle is replayed without feedback [m].
+        tried: every feasible profile with its smallest separation [σ], or the number of effects it reveals.
+        envelope: operating envelope of the rig.
     """
 
     profile: Profile
@@ -67,43 +68,43 @@ class Proposal:
     angle: FloatArray
     reading: FloatArray
     separations: tuple[Separation, ...]
-    drift: float
+    open_loop_drift: float
     tried: Mapping[str, float]
-    room: Room
+    envelope: OperatingEnvelope
 
     def table(self) -> dict[str, FloatArray]:
-        """`time_s, beam_angle_rad`, and the `ball_position_m` to be expected."""
+        """`time_s, beam_angle_rad`, and the predicted `ball_position_m`."""
         return {"time_s": self.time, "beam_angle_rad": self.angle, "ball_position_m": self.reading}
 
     @property
     def smallest(self) -> Separation:
-        """Of the separations."""
-        return min(self.separations, key=lambda one: one.expected)
+        """The smallest expected separation."""
+        return min(self.separations, key=attrgetter("expected"))
 
 
 def sentence(proposal: Proposal) -> str:
-    """What to do, and what it would bring."""
+    """The recommendation in a sentence, with the expected result."""
     run = f"run the profile “{proposal.profile.name}”"
-    every = proposal.separations
-    if every[0].rival == NOTHING:
-        seen = sorted((one for one in every if one.told), key=lambda one: -one.expected)
-        best = ", ".join(f"{one.found} at {one.expected:.1f} σ" for one in seen[:3])
+    separations = proposal.separations
+    if separations[0].rival == NOTHING:
+        detected = sorted((each for each in separations if each.told), key=lambda each: -each.expected)
+        best = ", ".join(f"{each.found} at {each.expected:.1f} σ" for each in detected[:3])
         return (
-            f"To see what these recordings cannot show, {run}: of the effects that go unseen at their typical size it "
-            f"shows {len(seen)} of {len(every)} ({best})."
+            f"To detect more effects, {run}: of the {len(separations)} effects whose typical size is below the "
+            f"detection limit of these recordings, it reveals {len(detected)} ({best})."
         )
-    one = proposal.smallest
-    if one.at_hand >= one.needed:
+    pair = proposal.smallest
+    if pair.at_hand >= pair.needed:
         return (
-            f"The recordings tell {one.found} from its nearest rival, {one.rival}, by {one.at_hand:.1f} σ; to tell "
-            f"them better, {run}: expected separation {one.expected:.1f} σ."
+            f"The recordings distinguish {pair.found} from its nearest rival, {pair.rival}, by {pair.at_hand:.1f} σ; "
+            f"to separate them further, {run}: expected separation {pair.expected:.1f} σ."
         )
     text = (
-        f"To tell {one.found} from {one.rival}, {run}: expected separation {one.expected:.1f} σ "
-        f"({one.at_hand:.1f} σ on the data at hand)."
+        f"To distinguish {pair.found} from {pair.rival}, {run}: expected separation {pair.expected:.1f} σ "
+        f"({pair.at_hand:.1f} σ on the data at hand)."
     )
-    if one.told:
+    if pair.told:
         return text
-    if one.runs > MOST_RUNS:
-        return f"{text} That is too little: no move within what this rig has shown tells them apart."
-    return f"{text} To reach the {one.needed:.1f} σ that tell them apart, run it {one.runs} times."
+    if pair.runs > MOST_RUNS:
+        return f"{text} That is too little: no motion within the operating envelope distinguishes them."
+    return f"{text} To reach the {pair.needed:.1f} σ that distinguish them, run it {pair.runs} times."

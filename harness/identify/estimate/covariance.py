@@ -1,8 +1,8 @@
 """Finite-difference covariance for laws that are not smooth.
 
-Innovations of a law with corners (a play that closes, a ball that begins to slide) change in steps with its parameters,
-and their slopes at one place say nothing of the deviance a little further off: a play's width was "known" seventeen
-times as well as it was. What counts is how the deviance rises over the interval that is reported.
+For backlash or slip the innovations jump as a parameter changes, and their derivatives do not describe the deviance at
+a finite distance: the standard error of a backlash width came out seventeen times too small. Differences over the
+reported interval do.
 """
 
 from __future__ import annotations
@@ -17,23 +17,22 @@ from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.problem import Problem
 
-_ITERATIONS = 3  # a step of one standard deviation follows from the slopes over the step before
-_LONGEST = 1.0  # step, in typical sizes
+_ITERATIONS = 3  # of step and Jacobian, each of which depends on the other
+_LONGEST = 1.0  # longest step, in scaled parameters
 
 
-def with_interval_covariance(problem: Problem, one: Fit) -> Fit:
-    """The same fit, its covariance by differences across a standard deviation to either side of each parameter.
+def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
+    """The same fit, its covariance by differences over ± one inflated standard deviation of each parameter.
 
-    The standard deviation is the overdispersed one of the reported intervals, with the other parameters held: moved
-    alone by what all of them together leave open, one would go far beyond where the slopes mean anything.
+    It is the standard deviation with the other parameters held fixed, since the parameter is moved alone.
     """
-    if not len(one.theta):
-        return one
+    if not len(found.theta):
+        return found
     inflation = math.sqrt(problem.settings.overdispersion)
-    residuals = Residuals(problem, one.hypothesis, one.process_noise)
-    reach = np.full(len(one.theta), 1e-3)
+    residuals = Residuals(problem, found.hypothesis, found.process_noise)
+    reach = np.full(len(found.theta), 1e-3)
     for _ in range(_ITERATIONS):
-        slopes = residuals.chords(one.theta, reach)
-        steepness = np.sqrt(np.sum(slopes**2, axis=0))
-        reach = inflation / np.maximum(steepness, inflation / _LONGEST)
-    return replace(one, covariance=information_inverse(problem, one.hypothesis, slopes))
+        slopes = residuals.chords(found.theta, reach)
+        norms = np.sqrt(np.sum(slopes**2, axis=0))
+        reach = inflation / np.maximum(norms, inflation / _LONGEST)
+    return replace(found, covariance=information_inverse(problem, found.hypothesis, slopes))

@@ -1,4 +1,4 @@
-"""Positions from the angle alone: the filter runs on what is known and goes on where nothing is."""
+"""Prediction of positions from the angle: the filter uses the known readings and runs on without them."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.filter.run import FilterRun, run_filter
 from harness.identify.problem.problem import PreparedRecording, Problem
 
-_DRAWS = 48
+_DRAWS = 48  # Monte Carlo draws of the parameters
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What is predicted of one recording.
+    """Prediction of one recording.
 
     Attributes:
-        time: shape (n,) [s].
-        position: what the sensor would record, shape (n,) [m]; where readings are known they are in it.
-        deviation: its standard deviation: angle, start, and what the fit leaves open; shape (n,) [m].
+        time: stamps, shape (n,) [s].
+        position: predicted reading, filtered where readings are known, shape (n,) [m].
+        deviation: its standard deviation from angle, initial state and parameters, shape (n,) [m].
         state: s [m] and ṡ [m/s], shape (n, 2).
     """
 
@@ -38,21 +38,20 @@ class Forecast:
         return {"time_s": self.time, "ball_position_m": self.position, "low_m": low, "high_m": high}
 
 
-def filtered(problem: Problem, found: Fit, record: PreparedRecording, reading: FloatArray) -> FilterRun:
-    """One recording under a fitted hypothesis, from other readings than its own; φ₀ is found from these."""
-    phase = phase_of(problem, found, record, reading)
-    return run_filter(problem, record, found.terms, found.process_noise, phase=phase, reading=reading)
+def filtered(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray) -> FilterRun:
+    """Run the filter of a fit over a recording with the given readings, shape (n,) [m], from which φ₀ is estimated."""
+    phase = phase_of(problem, found, recording, reading)
+    return run_filter(problem, recording, found.terms, found.process_noise, phase=phase, reading=reading)
 
 
 def forecast(
-    problem: Problem, found: Fit, record: PreparedRecording, reading: FloatArray, *, seed: int = 0
+    problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray, *, seed: int = 0
 ) -> Forecast:
-    """Predict one recording from the readings that are known, shape (n,), NaN where none is [m].
+    """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
-    The band joins the filter's own, which grows with the angle's error, and the spread of runs with values drawn from
-    what the fit leaves open.
+    The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit.
     """
-    best = filtered(problem, found, record, reading)
+    best = filtered(problem, found, recording, reading)
     variance = best.position_variance * best.gain**2
     count = len(found.theta)
     if count:
@@ -60,18 +59,18 @@ def forecast(
         root = problem.settings.inflation * _root(found.covariance / np.outer(scale, scale))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
-        square = np.zeros(len(record.time))
-        phase = phase_of(problem, found, record, reading)
+        square = np.zeros(len(recording.time))
+        phase = phase_of(problem, found, recording, reading)
         for _ in range(_DRAWS):
             theta = np.clip(found.theta + root @ generator.standard_normal(count), low, high)
             at = found.hypothesis.terms(theta, problem)
-            drawn = run_filter(problem, record, at, found.process_noise, phase=phase, reading=reading)
+            drawn = run_filter(problem, recording, at, found.process_noise, phase=phase, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
-    return Forecast(record.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+    return Forecast(recording.time, best.recorded, np.sqrt(variance), best.state[:, :2])
 
 
 def _root(covariance: FloatArray) -> FloatArray:
-    """Its symmetric root; a badly determined fit has a covariance with eigenvalues just below zero, taken for zero."""
+    """Symmetric root of a covariance; eigenvalues that rounding makes negative are set to zero."""
     values, vectors = np.linalg.eigh(covariance)
     return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T

@@ -1,4 +1,4 @@
-"""Screening fits: one Gauss–Newton step from each starting point, to tell which hypotheses are worth a fit."""
+"""Screening fits: one Gauss–Newton step from each starting point, to select the hypotheses worth a full fit."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
-# Step of the Jacobian's differences, in scaled parameters: wide enough to smooth over the ripples that a ball's stops
-# leave in the deviance; a step relative to a parameter that is 0 would drown in rounding.
+# Step of the Jacobian's differences, in scaled parameters: wide enough to average over the ripple of the deviance where
+# the ball stops.
 COARSE_STEP = 0.1
-INSIDE = 1e-9  # distance from the bounds, in scaled parameters: least squares begin strictly within them
-_FAR = 0.05  # of deviance a reading: beyond it the robust penalty is not the square that a linear model assumes
+INSIDE = 1e-9  # distance from the bounds, in scaled parameters: least squares have to start strictly within them
+_FAR = 0.05  # increase of deviance per reading beyond which the robust penalty is far from the square
 _ATTENUATIONS = (1.0, 0.1, 0.01, 0.0)
-_NOISE_FACTORS = (0.3, 0.1, 0.03, 0.03)  # steps in which less process noise is tried where a screening fit ends
+_NOISE_FACTORS = (0.3, 0.1, 0.03, 0.03)  # successive factors by which the process noise is reduced
 
 
 @dataclass(frozen=True)
 class ScreeningFit:
-    """One Gauss–Newton step from a starting point; the process noise is then the likeliest of a few.
+    """One Gauss–Newton step from a starting point, then the process noise of lowest deviance of a few.
 
     Attributes:
-        start, numbers: where it begins and ends, scaled, shape (k,).
-        predicted: deviance that the linear model predicts, at the process noise of the start.
-        density: of the process noise where it ends [m²/s³].
-        deviance: there.
+        start, theta: scaled parameters before and after the step, shape (k,) each.
+        predicted: deviance predicted by the linearised model, at the initial process noise.
+        process_noise: density after the step [m²/s³].
+        deviance: after the step.
         covariance: of the parameters in their units, shape (k, k), by the Jacobian at the start.
     """
 
@@ -59,35 +59,35 @@ def screen(
     without: float = math.inf,
     steps: Sequence[float] = (COARSE_STEP,),
 ) -> list[ScreeningFit]:
-    """A screening fit from each starting point of the hypothesis, the likeliest end first.
+    """A screening fit from each starting point of the hypothesis, lowest deviance first.
 
     Args:
-        density: of the process noise [m²/s³].
-        known: values to begin from.
-        without: deviance of what is `known` alone. A start that is much worse is attenuated towards it, until the
-            readings are where the linear model holds.
+        process_noise: initial density [m²/s³].
+        known: initial values by (effect, parameter).
+        without: deviance with the `known` effects alone. A start whose deviance is much higher is attenuated towards
+            them, into the range where the linearisation holds.
         steps: of the Jacobian's differences, in scaled parameters: the first at every start, the others at the best.
-            Where much is missing the filter's ball stops at other times than the true one, and the deviance is rippled.
+            They smooth the ripple of the deviance that arises where the model's ball stops at wrong times.
     """
-    far = without + _FAR * problem.readings
-    found = []
+    limit = without + _FAR * problem.readings
+    fits = []
     for start in starting_points(problem, hypothesis, known, process_noise):
         residuals = Residuals(problem, hypothesis, process_noise)
         weaker = (attenuated(hypothesis, start, factor, known) for factor in _ATTENUATIONS)
-        near = next((one for one in weaker if residuals.deviance(one) < far), start)
-        found.append(_one_step(problem, hypothesis, near, residuals, steps[0]))
+        near = next((theta for theta in weaker if residuals.deviance(theta) < limit), start)
+        fits.append(_one_step(problem, hypothesis, near, residuals, steps[0]))
     by_deviance = attrgetter("deviance")
-    found.sort(key=by_deviance)
+    fits.sort(key=by_deviance)
     residuals = Residuals(problem, hypothesis, process_noise)
-    found += [_one_step(problem, hypothesis, found[0].start, residuals, step) for step in steps[1:]]
-    found.sort(key=by_deviance)
+    fits += [_one_step(problem, hypothesis, fits[0].start, residuals, step) for step in steps[1:]]
+    fits.sort(key=by_deviance)
     first = problem.settings.starts_followed
-    quieter = (_with_less_noise(problem, hypothesis, one) for one in found[:first])
-    return sorted((*quieter, *found[first:]), key=by_deviance)
+    reduced = (_with_less_noise(problem, hypothesis, screened) for screened in fits[:first])
+    return sorted((*reduced, *fits[first:]), key=by_deviance)
 
 
 def information_inverse(problem: Problem, hypothesis: Hypothesis, slopes: FloatArray) -> FloatArray:
-    """Covariance of the parameters in their units, shape (k, k), by the Jacobian of the normalised innovations."""
+    """Covariance of the parameters in their units, shape (k, k), from the Jacobian of the residuals, (readings, k)."""
     scale, smoothness = hypothesis.scale(problem), hypothesis.smoothness(problem)
     return np.linalg.pinv(slopes.T @ slopes + smoothness.T @ smoothness) * np.outer(scale, scale)
 
@@ -104,8 +104,8 @@ def _one_step(
     relative = np.clip(np.abs(start), COARSE_STEP / 10.0, COARSE_STEP)
     slopes = residuals.slopes(start, relative if step == COARSE_STEP else np.full(len(start), step))
     smoothness = hypothesis.smoothness(problem)
-    all_slopes, all_here = np.vstack((slopes, smoothness)), np.concatenate((here, smoothness @ start))
-    move = lsq_linear(all_slopes, -all_here, bounds=(low - start, high - start), method="bvls").x
+    penalised, target = np.vstack((slopes, smoothness)), -np.concatenate((here, smoothness @ start))
+    move = lsq_linear(penalised, target, bounds=(low - start, high - start), method="bvls").x
     before = residuals.deviance(start)
     predicted = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
     end, deviance = start + move, residuals.deviance(start + move)
@@ -116,14 +116,15 @@ def _one_step(
     return ScreeningFit(start, end, predicted, residuals.process_noise, deviance, covariance)
 
 
-def _with_less_noise(problem: Problem, hypothesis: Hypothesis, one: ScreeningFit) -> ScreeningFit:
-    """The same with less process noise where that is likelier, which it is if the law explains what was missing."""
+def _with_less_noise(problem: Problem, hypothesis: Hypothesis, screened: ScreeningFit) -> ScreeningFit:
+    """The same with less process noise as long as that lowers the deviance, as it does if the law was missing."""
     lowest = (problem.settings.noise_floor_share * problem.angle_floor) ** 2
     for factor in _NOISE_FACTORS:
-        if factor * one.process_noise < lowest:
+        reduced = factor * screened.process_noise
+        if reduced < lowest:
             break
-        deviance = Residuals(problem, hypothesis, factor * one.process_noise).deviance(one.theta)
-        if deviance > one.deviance:
+        deviance = Residuals(problem, hypothesis, reduced).deviance(screened.theta)
+        if deviance > screened.deviance:
             break
-        one = replace(one, process_noise=factor * one.process_noise, deviance=deviance)
-    return one
+        screened = replace(screened, process_noise=reduced, deviance=deviance)
+    return screened

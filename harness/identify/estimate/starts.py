@@ -1,4 +1,4 @@
-"""Starting points of a fit: values known from another fit, or the few places that each law needs."""
+"""Starting points of a fit: values of another fit where known, else the starting values of each parameter."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.filter.run import deviance, deviance_of
-from harness.identify.problem.hypothesis import Hypothesis, phase_of
+from harness.identify.problem.hypothesis import Hypothesis, phase_key
 from harness.identify.problem.problem import Problem
 
-_PHASES = 2.0 * np.pi / 8 * np.arange(8)  # of φ₀ that are tried [rad]: no further than 22° from the likeliest
-_SCREENED = 3  # starting points that are screened: of many places, the likeliest
+_PHASES = 2.0 * np.pi / 8 * np.arange(8)  # initial values of φ₀ [rad]: within 22.5° of the optimum
+_SCREENED = 3  # largest number of starting points
 
 Known = Mapping[tuple[str, str], float]
-"""Values by (effect, parameter), and phases by `phase_of` a recording."""
+"""Values by (effect, parameter), and φ₀ of recordings by `phase_key`."""
 
 
 def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, process_noise: float) -> list[FloatArray]:
-    """Scaled parameters to begin from, each of shape (k,); where there are many, the likeliest.
+    """Initial scaled parameters, shape (k,) each; of many, the three of lowest deviance.
 
     Args:
-        known: values to begin from, where there are any.
-        density: of the process noise with which phases and places are searched [m²/s³].
+        known: initial values that replace those of the catalogue.
+        process_noise: density with which phases and starting values are compared [m²/s³].
     """
     choices = []
     for effect in hypothesis.effects:
@@ -32,13 +32,12 @@ def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, proc
         if all(key in known for key in keys):
             choices.append([[known[key] for key in keys]])
         else:
-            each = (one.starts_on(problem.visited, problem.rig) for one in effect.parameters)
-            choices.append([list(one) for one in itertools.product(*each)])
+            values = (parameter.starts_on(problem.visited, problem.rig) for parameter in effect.parameters)
+            choices.append([list(chosen) for chosen in itertools.product(*values)])
     phases, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.nodes) if hypothesis.spline else []
     starts = []
-    for one in itertools.product(*choices):
-        values = [value for each in one for value in each]
-        theta = np.array([*values, *[0.0] * phases, *nodes]) / hypothesis.scale(problem)
+    for combination in itertools.product(*choices):
+        theta = np.array([*itertools.chain(*combination), *[0.0] * phases, *nodes]) / hypothesis.scale(problem)
         starts.append(_with_phases(problem, hypothesis, theta, known, process_noise))
     if len(starts) > _SCREENED:
         starts.sort(key=lambda theta: deviance(problem, hypothesis.terms(theta, problem), process_noise))
@@ -46,7 +45,7 @@ def starting_points(problem: Problem, hypothesis: Hypothesis, known: Known, proc
 
 
 def attenuated(hypothesis: Hypothesis, theta: FloatArray, factor: float, known: Known) -> FloatArray:
-    """Scaled parameters with the strengths of effects that are not `known` at `factor` of what they are."""
+    """Scaled parameters with the strengths of effects that are not `known` multiplied by `factor`."""
     strengths = {(effect.name, name) for effect in hypothesis.effects for name in effect.strengths}
     factors = [factor if key in strengths and key not in known else 1.0 for key in hypothesis.parameters]
     return theta * np.array(factors + [1.0] * (len(theta) - len(factors)))
@@ -55,12 +54,12 @@ def attenuated(hypothesis: Hypothesis, theta: FloatArray, factor: float, known: 
 def _with_phases(
     problem: Problem, hypothesis: Hypothesis, theta: FloatArray, known: Known, process_noise: float
 ) -> FloatArray:
-    """The parameters with the phases that are known or, one recording at a time, the likeliest of a few."""
+    """The parameters with the known φ₀, or for each recording the one of lowest deviance among `_PHASES`."""
     at, first = hypothesis.terms(theta, problem), len(hypothesis.parameters)
-    for n, record in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
-        phase = known.get(phase_of(record.name))
+    for n, recording in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
+        phase = known.get(phase_key(recording.name))
         if phase is None:
-            tried = [deviance_of(problem, record, at, process_noise, phase=float(one)) for one in _PHASES]
-            phase = float(_PHASES[np.argmin(tried)])
+            deviances = [deviance_of(problem, recording, at, process_noise, phase=float(phi)) for phi in _PHASES]
+            phase = float(_PHASES[np.argmin(deviances)])
         theta[first + n] = phase
     return theta

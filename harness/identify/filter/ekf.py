@@ -1,16 +1,15 @@
 """Innovations of a model with effects: an extended Kalman filter on the ball's state, compiled.
 
-The state is (s, ṡ), joined by what slipping or Dahl friction remember and by a lagging sensor's reading where they act.
-White process noise on ṡ stands for the beam angle's error: a free run of a double integrator would blame the model for
-it. Innovations of a right model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); readings that lie more
-than four standard deviations off lose weight (Masreliez and Martin, IEEE TAC 22, 1977).
+The state is (s, ṡ), extended by the internal state of slip or Dahl friction and by the output of a lagging sensor.
+White process noise on ṡ represents the error of the beam angle, which a free run would attribute to the model.
+Innovations of a complete model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); those beyond four standard
+deviations are down-weighted (Masreliez and Martin, IEEE TAC 22, 1977).
 
-An innovation e of variance S = H P Hᵀ + R beyond four standard deviations moves the state by the share
-w = 4 √S/|e| of what it otherwise would, and takes the same share off the covariance: P − w P Hᵀ H P/S. That is the
-ordinary update by a reading of the larger variance R' = S/w − H P Hᵀ = R + S (1/w − 1) >= R, hence never indefinite.
-Computed as a difference it may still round to less than nothing, so the covariance is never stored: both forms of the
-filter propagate factors of it, from which every variance is a sum of squares (Bierman, "Factorization Methods for
-Discrete Sequential Estimation", 1977).
+An innovation e with innovation variance S = H P Hᵀ + R and |e| > 4 √S has the weight w = 4 √S/|e|: the correction of
+the state and the reduction of the covariance, P − w P Hᵀ H P/S, are w times the usual ones. This is the usual update
+with the larger reading variance R' = S/w − H P Hᵀ = R + S (1/w − 1) >= R, so P stays positive semidefinite. To keep
+this in floating point, both forms of the filter propagate factors of P, in which every variance is a sum of squares
+(Bierman, "Factorization Methods for Discrete Sequential Estimation", 1977).
 """
 
 from __future__ import annotations
@@ -26,26 +25,25 @@ from analytic.motion import FloatArray
 from analytic.slots import DAHL, TRACTION
 from analytic.step import advance
 
-SPIKE = 4.0
-# Prior of the first state: position as read, velocity within 0.1 m/s; least steps of the Jacobian's differences.
-_VELOCITY_VARIANCE = 1e-2
-_NUDGE = np.array([1e-6, 1e-5, 1e-5, 1e-6])
+SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted
+_VELOCITY_VARIANCE = 1e-2  # of the first state, at rest with standard deviation 0.1 m/s [m²/s²]
+_NUDGE = np.array([1e-6, 1e-5, 1e-5, 1e-6])  # smallest steps of the Jacobian's finite differences, in units of state
 
 
 class Readings(NamedTuple):
-    """Stamps, strictly increasing [s], and positions as read, NaN where there is none [m]; shape (n,) each."""
+    """Stamps, strictly increasing [s], and position readings, NaN where missing [m]; shape (n,) each."""
 
     time: FloatArray
     position: FloatArray
 
 
 class BeamTable(NamedTuple):
-    """Integration steps and the beam's motion over them (`analytic.kernel.Grid`).
+    """Integration grid and the beam motion on it (`analytic.kernel.Grid`).
 
     Attributes:
         steps: step sizes, shape (m,) [s].
         marks: index of the step that begins at each stamp, shape (n,).
-        table: α, α̇, α̈ at the start, middle and end of every step, and what a spline term adds; shape (2 m + 1, 3 or 4).
+        table: α, α̇, α̈ at the start, middle and end of every step, and a friction of time; shape (2 m + 1, 3 or 4).
     """
 
     steps: FloatArray
@@ -54,7 +52,7 @@ class BeamTable(NamedTuple):
 
 
 class Sensor(NamedTuple):
-    """Recorded over true position [1], time constant, 0 for none [s], and variance of a reading [m²]."""
+    """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²]."""
 
     gain: float
     lag: float
@@ -62,13 +60,13 @@ class Sensor(NamedTuple):
 
 
 class FilterOutput(NamedTuple):
-    """What the filter makes of n readings.
+    """Output of the filter at n stamps.
 
     Attributes:
         innovation: reading − prediction, 0 where there is no reading, shape (n,) [m].
-        innovation_variance: its variance, 1 where there is no reading, shape (n,) [m²].
-        state: filtered s [m], ṡ [m/s], what effects remember, and the lagging position [m], shape (n, 4).
-        position_variance: variance of the position that the sensor sees, shape (n,) [m²].
+        innovation_variance: S, 1 where there is no reading, shape (n,) [m²].
+        state: filtered s [m], ṡ [m/s], internal state of slip or Dahl friction, lagging position [m], shape (n, 4).
+        position_variance: variance of the (lagging) position before the sensor's gain, shape (n,) [m²].
     """
 
     innovation: FloatArray
@@ -86,9 +84,9 @@ def extended_kalman_filter(
     Args:
         readings: of the position.
         beam: its motion on the integration grid.
-        p: kernel vector with effects.
+        p: kernel's vector with effects, shape (SLOTS,).
         sensor: of the position.
-        process_noise: density of the white noise on ṡ [m²/s³].
+        process_noise: density of the process noise [m²/s³].
     """
     n = len(readings.time)
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
@@ -103,16 +101,16 @@ def extended_kalman_filter(
 def _two_states(
     readings: Readings, beam: BeamTable, p: FloatArray, sensor: Sensor, process_noise: float, out: FilterOutput
 ) -> None:
-    """The filter where the state is (s, ṡ).
+    """The filter with the state (s, ṡ).
 
-    Its covariance is a (1, m)ᵀ(1, m) + d (0, 1)ᵀ(0, 1): variance of s, regression of ṡ on s, and what then remains of
-    the variance of ṡ. A reading of s says nothing of m and d, and with R' and S' as above it takes a to a R'/S'.
-    Over a step of the Jacobian (f g; h i), process noise q and length Δt the covariance becomes a sum of three dyads,
+    The covariance is factored as a (1, m)ᵀ(1, m) + d (0, 1)ᵀ(0, 1): variance a of s, regression m of ṡ on s, residual
+    variance d of ṡ. A reading of s leaves m and d unchanged and, with R' and S' = S/w, changes a to a R'/S'.
+    A step of length Δt with Jacobian (f g; h i) and process noise q turns the covariance into a sum of three dyads,
 
-        a (f + g m, h + i m), d (g, i), q Δt³/3 (1, κ), κ = 3/(2 Δt), and q Δt/4 in the variance of ṡ,
+        a (f + g m, h + i m), d (g, i), q Δt³/3 (1, κ), κ = 3/(2 Δt), and q Δt/4 in the variance of ṡ.
 
-    and what remains of a sum of dyads w_j (x_j, y_j) beside its regression is Σ w_i w_j (x_i y_j − x_j y_i)²/Σ w_j x_j²
-    over the pairs: nothing is subtracted but within squares.
+    The residual variance of a sum of dyads w_j (x_j, y_j) is Σ w_i w_j (x_i y_j − x_j y_i)²/Σ w_j x_j² over the pairs:
+    differences occur only within squares.
     """
     time, position = readings.time, readings.position
     steps, marks, table = beam.steps, beam.marks, beam.table
@@ -155,16 +153,16 @@ def _two_states(
 def _any_state(
     readings: Readings, beam: BeamTable, p: FloatArray, sensor: Sensor, process_noise: float, out: FilterOutput
 ) -> None:
-    """The filter for any state; the slow twin of `_two_states`.
+    """The filter for any state; slower than `_two_states`.
 
-    Its covariance is L Lᵀ with a triangular L, whose first row is the position that the sensor sees: a reading then
-    takes the first column of L to √(R'/S') of itself and leaves the others as they are.
+    The covariance is L Lᵀ with L lower triangular, its first row the (lagging) position that is read: a reading
+    multiplies the first column of L by √(R'/S') and leaves the others unchanged.
     """
     time, position = readings.time, readings.position
     gain, lag, reading_variance = sensor.gain, sensor.lag, sensor.reading_variance
     slips = p[TRACTION] != 0.0
-    states = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # as L has them
-    seen, size = states[0], len(states)
+    states = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # in the order of L
+    sensed, size = states[0], len(states)
     x, moved, nudged = np.zeros(4), np.zeros(4), np.zeros(4)
     F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size + 2))
     begun = False
@@ -174,17 +172,17 @@ def _any_state(
             moved[:] = x
             _over(moved, beam.marks[k - 1], beam.marks[k], beam, p, lag)
             for j in range(size):
-                one = states[j]
-                by_velocity = one == 1 or (one == 2 and slips)
-                nudge = _velocity_nudge(x[one], _square(L, j)) if by_velocity else _NUDGE[one]
+                index = states[j]
+                is_velocity = index == 1 or (index == 2 and slips)
+                nudge = _velocity_nudge(x[index], _square(L, j)) if is_velocity else _NUDGE[index]
                 nudged[:] = x
-                nudged[one] += nudge
+                nudged[index] += nudge
                 _over(nudged, beam.marks[k - 1], beam.marks[k], beam, p, lag)
                 for i in range(size):
                     F[i, j] = (nudged[states[i]] - moved[states[i]]) / nudge
             x[:] = moved
             for i in range(size):
-                # What pulls at a ball that slides changes its slip as it does its velocity.
+                # A force on a sliding ball changes its slip as much as its velocity.
                 driven = states[i] == 1 or (states[i] == 2 and slips and moved[2] != 0.0)
                 root = math.sqrt(process_noise * dt)
                 M[i, size] = root * (dt / math.sqrt(3.0) if states[i] == 0 else math.sqrt(0.75) * driven)
@@ -192,7 +190,7 @@ def _any_state(
             _propagate(F, L, M)
         if not math.isnan(position[k]):
             if begun:
-                e, S = position[k] - gain * x[seen], gain * gain * L[0, 0] ** 2 + reading_variance
+                e, S = position[k] - gain * x[sensed], gain * gain * L[0, 0] ** 2 + reading_variance
                 out.innovation[k], out.innovation_variance[k] = e, S
                 S_weighted, R_weighted = _weighted(e, S, reading_variance)
                 correction, shrink = gain * L[0, 0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
@@ -212,30 +210,30 @@ def _any_state(
 
 @njit(cache=True, inline="always")
 def _weighted(e: float, S: float, reading_variance: float) -> tuple[float, float]:
-    """Variances of innovation and reading, S' = S/w and R' = R + S (1/w − 1), by which an innovation e counts [m²]."""
-    looser = max(1.0, abs(e) / (SPIKE * math.sqrt(S)))
-    return S * looser, reading_variance + S * (looser - 1.0)
+    """Innovation and reading variance that down-weight an innovation e: S' = S/w and R' = R + S (1/w − 1) [m²]."""
+    inverse_weight = max(1.0, abs(e) / (SPIKE * math.sqrt(S)))
+    return S * inverse_weight, reading_variance + S * (inverse_weight - 1.0)
 
 
 @njit(cache=True, inline="always")
 def _velocity_nudge(v: float, variance: float) -> float:
-    """Step of the slope by velocity: a standard deviation in the direction of motion [m/s].
+    """Step of the finite difference in velocity: a standard deviation in the direction of motion [m/s].
 
-    Dry friction stops the ball of the filter, and an infinitesimal slope would then be certain that the true one rests
-    there as well, although within its standard deviation it rolls on. Differences over the standard deviation know that
-    (Schei, Automatica 33, 1997).
+    Where dry friction stops the ball, the derivative by velocity vanishes, and so would the variance, although within
+    a standard deviation the ball rolls on. Differences over a standard deviation avoid this (Schei, Automatica 33,
+    1997).
     """
     return math.copysign(max(_NUDGE[1], math.sqrt(variance)), v)
 
 
 @njit(cache=True, inline="always")
 def _over(x: FloatArray, first: int, last: int, beam: BeamTable, p: FloatArray, lag: float) -> None:
-    """Take the state over the integration steps from `first` to `last`, in place."""
+    """Integrate the state x, shape (4,), over the steps from `first` to `last`, in place."""
     s, v, w, y = x[0], x[1], x[2], x[3]
     for j in range(first, last):
         before, h = s, beam.steps[j]
         s, v, w = advance(s, v, w, h, beam.table, 2 * j, p)
-        if lag > 0.0:  # T ẏ + y = s, exact for an s that moves evenly within the step
+        if lag > 0.0:  # T ẏ + y = s, exact for an s that is linear within the step
             slope = (s - before) / h
             follow = before - slope * lag
             y = follow + slope * h + (y - follow) * math.exp(-h / lag)
@@ -253,13 +251,13 @@ def _square(L: FloatArray, i: int) -> float:
 
 @njit(cache=True)
 def _propagate(F: FloatArray, L: FloatArray, M: FloatArray) -> None:
-    """L, shape (m, m), becomes the triangular root of F L (F L)ᵀ and the process noise.
+    """Replace L, shape (m, m), by the triangular root of F L (F L)ᵀ + N Nᵀ.
 
-    By modified Gram–Schmidt on the rows of (F L, N), where N, shape (m, 2), is a root of the process noise.
+    By modified Gram–Schmidt on the rows of (F L, N), where N, shape (m, 2), is a root of the process noise covariance.
 
     Args:
         F: Jacobian of the step, shape (m, m).
-        M: N in its last two columns, shape (m, m + 2); room for the rows, which are lost.
+        M: N in its last two columns, shape (m, m + 2); overwritten.
     """
     size = len(L)
     for i in range(size):
@@ -284,12 +282,12 @@ def _propagate(F: FloatArray, L: FloatArray, M: FloatArray) -> None:
 
 
 def penalty(ratio: FloatArray) -> FloatArray:
-    """ρ of innovations over their standard deviations: squares up to 4, then linear (Huber), same shape."""
-    far = np.abs(ratio)
-    return np.where(far < SPIKE, far**2, 2.0 * SPIKE * far - SPIKE**2)
+    """Robust penalty ρ of normalised innovations: squares up to 4, then linear (Huber), same shape."""
+    size = np.abs(ratio)
+    return np.where(size < SPIKE, size**2, 2.0 * SPIKE * size - SPIKE**2)
 
 
 def negative_two_log_likelihood(innovation: FloatArray, innovation_variance: FloatArray | float) -> float:
-    """−2 log likelihood of innovations, shape (n,) [m], of these variances [m²], but for a constant; by `penalty`."""
+    """Deviance Σ [log S + ρ(e/√S)] of innovations e, shape (n,) [m], with variances S [m²]."""
     ratio = innovation / np.sqrt(innovation_variance)
     return float(np.sum(np.log(innovation_variance) + penalty(ratio)))

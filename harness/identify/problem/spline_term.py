@@ -1,16 +1,15 @@
-"""Curves of unknown law: what remains, as a function of position, velocity, angle, rolled angle or time.
+"""Spline terms: unknown laws as cubic splines of position, velocity, angle, rolled angle or time.
 
-A force curve is an acceleration of the ball, m s̈ (1 + J/(m r²)) = … + m f(·); a friction curve a coefficient that adds
-to the dry friction's. Both are cubic splines through twelve nodes, or twice as many, spread over what the recordings
-visit. Those of the rolled angle count from a mark on the ball: how it lay at the start of each recording is a number φ₀
-of its own.
+A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
+friction. The nodes, twelve or twice as many, are equidistant over the range of the recordings. The rolled angle counts
+from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -29,12 +28,9 @@ from analytic.slots import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHA
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.record import SplineTermRecord
 
-if TYPE_CHECKING:
-    pass
-
 
 class Regressor(StrEnum):
-    """What a curve depends on; names as in diagnosis.json."""
+    """The argument of a spline term; names as in diagnosis.json."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -53,18 +49,18 @@ _KERNEL = {
     (Regressor.TIME, True): DRY_OF_TIME,
 }
 KINDS = ((Regressor.TIME, False), *_KERNEL)
-"""What is tried: (dependence, whether it is a dry friction)."""
+"""Kinds of spline terms that are tried: (regressor, whether it is a friction coefficient)."""
 
 
 @dataclass(frozen=True)
 class SplineTerm:
-    """One curve.
+    """A spline term.
 
     Attributes:
-        depends: on what.
+        depends: its regressor.
         friction: whether it is a coefficient of dry friction [1] rather than a force per mass [m/s²].
-        low, step: first node and distance of nodes, in the unit of what it depends on.
-        nodes: values, shape (n,), n at most MOST_NODES; of a curve of the rolled angle the first follows the last.
+        low, step: first node and distance of nodes, in the unit of the regressor.
+        nodes: values, shape (n,), n at most MOST_NODES; periodic for the rolled angle.
     """
 
     depends: Regressor
@@ -75,48 +71,48 @@ class SplineTerm:
 
     @property
     def places(self) -> FloatArray:
-        """Where the nodes lie, shape (n,)."""
+        """Abscissae of the nodes, shape (n,), in the unit of the regressor."""
         return self.low + self.step * np.arange(len(self.nodes), dtype=np.float64)
 
     @property
     def turning(self) -> bool:
-        """Whether it matters how the ball lies at the start."""
+        """Whether it depends on the rolled angle, and so on φ₀."""
         return self.depends is Regressor.ROLL_ANGLE
 
     @property
     def name(self) -> str:
-        """As in the ledger."""
+        """Name in the ledger."""
         return f"spline of {self.depends}{' in friction' if self.friction else ''}"
 
     @property
     def unit(self) -> str:
-        """Of the nodes."""
+        """Unit of the node values."""
         return "1" if self.friction else "m/s²"
 
     def at(self, where: FloatArray) -> FloatArray:
-        """The curve at `where`, shape (n,); the same shape."""
+        """Values of the spline at `where`, any shape; the same shape."""
         p = np.zeros(SLOTS)
-        self._lay(p, _KERNEL.get((self.depends, self.friction), DRY_OF_TIME))
+        self._write(p, _KERNEL.get((self.depends, self.friction), DRY_OF_TIME))
         return np.asarray(curve_at(where, p))
 
     def write(self, p: FloatArray, phase: float = 0.0) -> None:
-        """Into the kernel's vector, in place, unless it is a force of time (then `load`).
+        """Write the term into the kernel's vector, shape (SLOTS,), in place; a force of time is written by `load`.
 
         Args:
-            phase: φ₀, how the ball lies at the start [rad].
+            phase: φ₀ [rad].
         """
         kind = _KERNEL.get((self.depends, self.friction))
         if kind is not None:
-            self._lay(p, kind)
+            self._write(p, kind)
         if self.turning:
             p[PHASE] = phase
 
-    def _lay(self, p: FloatArray, kind: float) -> None:
+    def _write(self, p: FloatArray, kind: float) -> None:
         p[SHAPE], p[SHAPE_LOW], p[SHAPE_STEP], p[SHAPE_COUNT] = kind, self.low, self.step, len(self.nodes)
         p[SHAPE_NODES : SHAPE_NODES + len(self.nodes)] = self.nodes
 
     def load(self, table: FloatArray, times: FloatArray, gravity: float) -> FloatArray:
-        """The beam's table with a curve of time in it: a force as the tilt that gives it, a friction as a column."""
+        """The beam's table with a term of time in it: a force as equivalent tilt, a friction as a further column."""
         if self.depends is not Regressor.TIME:
             return table
         if self.friction:
@@ -126,30 +122,30 @@ class SplineTerm:
         return table
 
     def finer(self) -> Self:
-        """The same curve through nodes half as far apart."""
+        """The same spline with nodes at half the distance."""
         count = 2 * len(self.nodes) - (0 if self.turning else 1)
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
 
     def record(self) -> SplineTermRecord:
-        """What it is but for the values of its nodes."""
+        """As JSON, without the values of the nodes."""
         return SplineTermRecord(
             depends=self.depends.value, friction=self.friction, low=self.low, step=self.step, nodes=len(self.nodes)
         )
 
     @classmethod
     def of(cls, record: SplineTermRecord) -> Self:
-        """The curve of a `record`, nothing yet.
+        """The zero spline term that a `record` describes.
 
         Raises:
-            ValueError: it has more nodes than a curve can have, or fewer.
+            ValueError: its number of nodes is not between 2 and MOST_NODES.
         """
         if not 2 <= record.nodes <= MOST_NODES:
-            raise ValueError(f"a curve of {record.nodes} nodes")
+            raise ValueError(f"a spline term of {record.nodes} nodes")
         return cls(Regressor(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
 
 
 def blank(depends: Regressor, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
-    """A curve that is nothing yet, over what is visited from `low` to `high`."""
+    """The zero spline term with `count` nodes over the range from `low` to `high`."""
     steps = count if depends is Regressor.ROLL_ANGLE else count - 1
     return SplineTerm(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))

@@ -1,4 +1,4 @@
-"""Windows of recordings: the part that a prediction may use, and the part that it is held against."""
+"""Windows of recordings, each with a known part and a predicted part, and the folds of cross-validation."""
 
 from __future__ import annotations
 
@@ -13,45 +13,45 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import PreparedRecording, Problem
 
-KNOWN = 2.0  # of each window [s]: what comes before is known to the prediction
-AHEAD = 3.0  # of each window [s]: what is predicted
-HORIZONS = (1.0, 2.0, 3.0, 5.0)  # [s]
-_FEWEST = 5  # readings of a window that must be known, and as many to be judged
+KNOWN = 2.0  # length of the known part of a window [s]
+AHEAD = 3.0  # length of the predicted part of a window [s]
+HORIZONS = (1.0, 2.0, 3.0, 5.0)  # lengths of predicted spans [s]
+_FEWEST = 5  # readings that each part of a window needs
 _ROUNDING = 1e-6  # [s]: stamps are not exact multiples of the sampling interval
 
 
 @dataclass(frozen=True)
 class Window:
-    """A stretch of a recording.
+    """A window of a recording.
 
     Attributes:
-        record: the recording.
-        begin: of the known part, a time of the recording [s].
-        use: its stamps, a slice of the recording's n.
+        recording: the whole recording, of n stamps.
+        begin: time at which the known part begins [s].
+        use: slice of the m stamps of the window among the n.
     """
 
-    record: PreparedRecording
+    recording: PreparedRecording
     begin: float
     use: slice
 
     @property
     def time(self) -> FloatArray:
-        """Stamps since its begin, shape (m,) [s]."""
-        return self.record.time[self.use] - self.begin
+        """Stamps, counted from `begin`, shape (m,) [s]."""
+        return self.recording.time[self.use] - self.begin
 
     @property
     def reading(self) -> FloatArray:
-        """Positions, NaN where there is none that counts, shape (m,) [m]."""
-        return self.record.reading[self.use]
+        """Position readings, NaN where missing or an outlier, shape (m,) [m]."""
+        return self.recording.reading[self.use]
 
     @cached_property
     def known(self) -> NDArray[np.bool_]:
-        """Readings that a prediction may use, shape (m,)."""
+        """Readings of the known part, shape (m,)."""
         return np.isfinite(self.reading) & (self.time < KNOWN - _ROUNDING)
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Readings that a prediction is held against, shape (m,)."""
+        """Readings of the predicted part, with which a prediction is compared, shape (m,)."""
         return np.isfinite(self.reading) & (self.time >= KNOWN - _ROUNDING)
 
     @cached_property
@@ -61,47 +61,47 @@ class Window:
 
     @cached_property
     def grid(self) -> FloatArray:
-        """Even times that cover the window, shape (k,) [s]; the recording's own stamps where these are even."""
+        """Equidistant times that cover the window, shape (k,) [s]; equal to the stamps where these are equidistant."""
         return self.step * np.arange(math.ceil(self.time[-1] / self.step - _ROUNDING) + 1)
 
     @cached_property
     def angle(self) -> FloatArray:
-        """α at the grid, shape (k,) [rad]."""
-        return self.record.drive.evaluate(np.minimum(self.begin + self.grid, self.record.time[-1]))
+        """α on the grid, shape (k,) [rad]."""
+        return self.recording.drive.evaluate(np.minimum(self.begin + self.grid, self.recording.time[-1]))
 
     def at_stamps(self, columns: Sequence[FloatArray]) -> FloatArray:
-        """Signals on the grid, each of shape (k,), at the stamps: shape (m, number of signals)."""
+        """Signals on the grid, shape (k,) each, interpolated at the stamps: shape (m, number of signals)."""
         return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
 
     def rms_error(self, predicted: FloatArray) -> float:
-        """RMS error of predicted positions, shape (m,), over the judged readings [m]."""
+        """RMS error of predicted positions, shape (m,), over the predicted part [m]."""
         return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
 
 
-def windows_of(records: Sequence[PreparedRecording]) -> tuple[Window, ...]:
-    """All windows with 2 s known and 3 s to be predicted, one after the other; the predicted parts do not overlap."""
-    found = []
-    for record in records:
-        time = record.time - record.time[0]
+def windows_of(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...]:
+    """Consecutive windows, 2 s known and 3 s predicted; the predicted parts do not overlap."""
+    windows = []
+    for recording in recordings:
+        time = recording.time - recording.time[0]
         for i in range(int((time[-1] - KNOWN) / AHEAD + _ROUNDING)):
             first, last = np.searchsorted(time, np.array([i * AHEAD, i * AHEAD + KNOWN + AHEAD]) - _ROUNDING)
-            window = Window(record, float(record.time[0]) + i * AHEAD, slice(int(first), int(last)))
+            window = Window(recording, float(recording.time[0]) + i * AHEAD, slice(int(first), int(last)))
             if window.known.sum() >= _FEWEST and window.judged.sum() >= _FEWEST:
-                found.append(window)
-    return tuple(found)
+                windows.append(window)
+    return tuple(windows)
 
 
 def horizon_spans(time: FloatArray) -> list[tuple[str, float, float]]:
     """Name, begin and end [s] of every predicted span, for stamps that begin at 0, shape (n,).
 
-    "3 s" are consecutive spans of 3 s after the first two seconds; "whole" is everything after these.
+    "3 s" names consecutive spans of 3 s after the first two seconds; "whole" the span of everything after these.
     """
     end = float(time[-1])
-    found = []
+    spans = []
     for horizon in HORIZONS:
         count = int((end - KNOWN) / horizon + 1e-6)
-        found += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
-    return [*found, ("whole", KNOWN, end + 1.0)]
+        spans += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
+    return [*spans, ("whole", KNOWN, end + 1.0)]
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Fold:
 
     Attributes:
         problem: the recordings to fit to.
-        left: the recordings held out.
+        left: the held-out recordings.
     """
 
     problem: Problem
@@ -118,23 +118,24 @@ class Fold:
 
     @property
     def title(self) -> str:
-        """Names of what is held out."""
-        return ", ".join(record.name for record in self.left)
+        """Names of the held-out recordings."""
+        return ", ".join(recording.name for recording in self.left)
 
 
 def folds(problem: Problem) -> list[Fold]:
-    """Each recording held out in turn; of a single one, either half of its positions."""
-    records = problem.recordings
-    if len(records) > 1:
-        parts = [(tuple(r for r in records if r is not left), left) for left in records]
+    """Folds that hold out each recording in turn; of a single recording, each half of its readings."""
+    recordings = problem.recordings
+    if len(recordings) > 1:
+        parts = [(tuple(r for r in recordings if r is not left), left) for left in recordings]
     else:
-        (one,) = records
-        known = np.flatnonzero(np.isfinite(one.reading))
-        middle = int(known[len(known) // 2])  # of what is known: there may be nothing after its first seconds
-        first, second = _piece(one, "first half", slice(0, middle)), _piece(one, "second half", slice(middle, None))
+        (whole,) = recordings
+        known = np.flatnonzero(np.isfinite(whole.reading))
+        middle = int(known[len(known) // 2])  # of the known readings: all of them may lie in the first seconds
+        first, second = _part(whole, "first half", slice(0, middle)), _part(whole, "second half", slice(middle, None))
         parts = [((first,), second), ((second,), first)]
     return [Fold(replace(problem, recordings=rest), (left,)) for rest, left in parts]
 
 
-def _piece(record: PreparedRecording, part: str, where: slice) -> PreparedRecording:
-    return PreparedRecording(f"{record.name}, {part}", record.time[where], record.reading[where], record.drive)
+def _part(whole: PreparedRecording, name: str, stamps: slice) -> PreparedRecording:
+    """The recording at some of its stamps."""
+    return PreparedRecording(f"{whole.name}, {name}", whole.time[stamps], whole.reading[stamps], whole.drive)

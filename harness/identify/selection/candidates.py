@@ -1,4 +1,4 @@
-"""Candidates: which effects can be added to a fit, a screening fit of each, and a fit of the promising ones."""
+"""Candidates: the effects that can be added to a fit, a screening fit of each, a full fit of the promising ones."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ Progress = Callable[[str], None]
 _S = TypeVar("_S")
 _T = TypeVar("_T")
 
-_STEPS = (COARSE_STEP, 1.0, -1.0)  # of the Jacobian's differences where much is missing
+_STEPS = (COARSE_STEP, 1.0, -1.0)  # of the Jacobian's differences where much is left to explain
 
 
 def candidates(problem: Problem) -> tuple[str, ...]:
-    """What can be tried: the catalogue, but for what the model has already, and for what nothing can show."""
-    there = {one.effect.name for one in problem.declared if one.effect.relations.once}
+    """Effects of the catalogue that can be tried: not in the model already, and not hidden by unknown quantities."""
+    known = {term.effect.name for term in problem.declared if term.effect.relations.once}
     return tuple(
         name
         for name, effect in CATALOGUE.items()
         if name not in hidden_by(problem.unknown)
-        and name not in there
+        and name not in known
         and not effect.relations.in_baseline(problem.model)
     )
 
 
 def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
-    """Effects that no recording can show where these stand for what is unknown: the rig's estimates take them in.
+    """Effects that cannot be separated from the `unknown` rig quantities, whose estimates absorb them.
 
-    K g α of the record is all that a gain of the angle, one of the position and the rolling radius change, but for
-    terms that are small at small angles.
+    A gain of the angle, a gain of the position and the rolling radius all change K g α, and other terms only little at
+    small angles.
     """
     hidden: list[str] = []
     for name in unknown:
@@ -47,59 +47,59 @@ def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
     return tuple(hidden)
 
 
-def found_in(problem: Problem, one: Fit) -> tuple[str, ...]:
-    """Effects of a fit that do not stand for what is unknown of the rig."""
-    return tuple(name for name in one.hypothesis.names if name not in problem.unknown)
+def selected_effects(problem: Problem, found: Fit) -> tuple[str, ...]:
+    """Effects of a fit without the stand-ins for unknown rig quantities."""
+    return tuple(name for name in found.hypothesis.names if name not in problem.unknown)
 
 
 def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
-    """These effects, fitted from where `base` is."""
+    """A fit of these effects, started from the values of `base`."""
     return fit(problem, Hypothesis(names), process_noise=base.process_noise, known=base.values())
 
 
 def fit_candidates(
     problem: Problem, base: Fit, progress: Progress, *, excluding: str = "", replacing: bool = False
 ) -> list[Fit]:
-    """Every candidate beside the effects of `base`, best first; fitted where its screening fit promises something.
+    """Fits of `base` with each candidate added, best first; only promising screening fits are optimised further.
 
     Args:
         excluding: an effect that is not tried.
-        replacing: whether candidates are tried in the place of that effect; they then have to do most of what it did.
+        replacing: whether candidates replace that effect; they then have to explain most of what it did.
     """
     settings, criterion = problem.settings, Criterion(problem.settings)
-    near = criterion.explained(problem, base)
+    explained = criterion.explained(problem, base)
 
-    def promise(screened: list[ScreeningFit]) -> float:
-        """Predicted decrease of the criterion; where much is missing without the price of parameters, because the
-        process noise then hides the gain."""
+    def predicted_decrease(screened: list[ScreeningFit]) -> float:
+        """Predicted decrease of the criterion; without the penalty on parameters where much is left to explain,
+        because the process noise then hides the gain."""
         deviance = min(one.hoped for one in screened)
-        price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if near else 0.0
+        price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if explained else 0.0
         return (base.deviance - deviance) / settings.overdispersion - price
 
-    screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if near or replacing else _STEPS)
+    screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if explained or replacing else _STEPS)
     if not screened:
         return []
-    promises = {name: promise(screened[name]) for name in screened}
+    decreases = {name: predicted_decrease(screened[name]) for name in screened}
     share = settings.replacement_share if replacing else settings.screened_share
-    least = max(share * max(promises.values()), -settings.screened_slack)
-    names = sorted(screened, key=lambda name: -promises[name])
-    promising = {name for name in names[: settings.max_fitted] if promises[name] >= least}
+    least = max(share * max(decreases.values()), -settings.screened_slack)
+    names = sorted(screened, key=lambda name: -decreases[name])
+    promising = {name for name in names[: settings.max_fitted] if decreases[name] >= least}
 
     def begin(name: str) -> Fit:
         first = screened[name][0]
         if name not in promising:
             return unrefined(problem, _with(base, name), first)
-        progress(f"fit of {' + '.join((*base.hypothesis.names, name))}")
+        progress(f"fit: {' + '.join((*base.hypothesis.names, name))}")
         close = first.deviance + settings.screened_share * (base.deviance - first.deviance)
         starts = [one.theta for one in screened[name][: settings.starts_followed] if one.deviance <= close]
         return fit(problem, _with(base, name), process_noise=first.process_noise, starts=starts, rounds=1)
 
-    def finish(one: Fit) -> Fit:
-        abandon = settings.abandon_behind if one.hypothesis.names[-1] in promising else 0.0
-        if criterion.value(one) > best + abandon:
-            return one
-        progress(f"fit of {' + '.join(one.hypothesis.names)}")
-        return fit(problem, one.hypothesis, process_noise=one.process_noise, starts=[one.theta])
+    def finish(first: Fit) -> Fit:
+        abandon = settings.abandon_behind if first.hypothesis.names[-1] in promising else 0.0
+        if criterion.value(first) > best + abandon:
+            return first
+        progress(f"fit: {' + '.join(first.hypothesis.names)}")
+        return fit(problem, first.hypothesis, process_noise=first.process_noise, starts=[first.theta])
 
     begun = in_threads(begin, names)
     best = min((criterion.value(one) for one in begun if one.hypothesis.names[-1] in promising), default=-math.inf)
@@ -107,21 +107,21 @@ def fit_candidates(
 
 
 def best_screened(problem: Problem, base: Fit, progress: Progress) -> float:
-    """The lowest criterion that a screening fit of any candidate reaches beside `base`."""
+    """The lowest criterion of the screening fits of `base` with a candidate added."""
     screened = _screened(problem, base, progress, "", _STEPS)
     criterion = Criterion(problem.settings)
-    ends = (unrefined(problem, _with(base, name), found[0]) for name, found in screened.items())
-    return min((criterion.value(one) for one in ends), default=math.inf)
+    fits = (unrefined(problem, _with(base, name), ends[0]) for name, ends in screened.items())
+    return min(map(criterion.value, fits), default=math.inf)
 
 
 def _screened(
     problem: Problem, base: Fit, progress: Progress, excluding: str, steps: Sequence[float]
 ) -> dict[str, list[ScreeningFit]]:
-    """Screening fits of every candidate beside the effects of `base`."""
+    """Screening fits of `base` with each candidate added, by candidate."""
     names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, excluding)]
 
     def screened(name: str) -> list[ScreeningFit]:
-        progress(" + ".join((*base.hypothesis.names, name)))
+        progress(f"screening: {' + '.join((*base.hypothesis.names, name))}")
         hypothesis = _with(base, name)
         return screen(problem, hypothesis, base.process_noise, base.values(), without=base.deviance, steps=steps)
 
@@ -132,7 +132,7 @@ def _with(base: Fit, name: str) -> Hypothesis:
     return Hypothesis((*base.hypothesis.names, name), base.hypothesis.spline)
 
 
-def in_threads(function: Callable[[_S], _T], each: Iterable[_S]) -> list[_T]:
-    """Results in order; threads do, because the compiled filter runs without the interpreter's lock."""
+def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:
+    """`map` in threads, results in order; threads suffice because the compiled filter releases the global lock."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(function, each))
+        return list(pool.map(function, arguments))

@@ -1,8 +1,8 @@
-"""The one place that decides what is kept, dropped, swapped, split or preferred, and says why.
+"""The criterion and every decision rule of the selection, with the reason for each decision.
 
-Fits are compared by the quasi-BIC, D/ĉ + k ln n: deviance D over the overdispersion ĉ, as in the QAIC (Lebreton et al.,
-Ecological Monographs 62, 1992), and a price of ln n for each of k parameters (Schwarz, Annals of Statistics 6, 1978).
-Where one of the two has a spline term, ĉ = 1: its parameters are many, and its own threshold is the higher one.
+Fits are compared by the quasi-BIC, D/ĉ + k log n: deviance D over the overdispersion ĉ, as in the QAIC (Lebreton et
+al., Ecological Monographs 62, 1992), and a penalty of log n for each of k parameters (Schwarz, Annals of Statistics 6,
+1978). If either fit has a spline term, both are compared by the BIC (ĉ = 1), with a higher threshold.
 """
 
 from __future__ import annotations
@@ -17,39 +17,39 @@ import numpy as np
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.metrics.paired import Margin, rms_reduction
+from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import rms
 
 
 class Rule(StrEnum):
-    """What a decision is about; names as in diagnosis.json."""
+    """Kinds of decisions; names as in diagnosis.json."""
 
-    ADD = "add"  # a candidate beside what was found
-    DROP = "drop"  # an effect found before, beside those found since
-    SWAP = "swap"  # a candidate in the place of an effect
-    SPLIT = "split"  # two effects in the place of the one that imitates them
-    MERGE = "merge"  # one effect in the place of the two that imitate it
-    RESTART = "restart"  # the search begins again with a runner-up
-    PREFER = "prefer"  # where that led, against where the search had led before
-    SPLINE = "spline"  # a spline term beside what was found
-    REFINE = "refine"  # twice the nodes of a spline term
-    ABSORB = "absorb"  # an effect beside the spline term that may contain it
-    VALIDATE = "validate"  # what was found, on held-out windows
-    EXTEND = "extend"  # a candidate, on held-out windows
+    ADD = "add"  # add a candidate to the fit
+    DROP = "drop"  # keep or drop an effect found earlier
+    SWAP = "swap"  # replace an effect by a candidate
+    SPLIT = "split"  # replace an effect by the two that it imitates
+    MERGE = "merge"  # replace two effects by the one that imitates them
+    RESTART = "restart"  # restart the search from a runner-up
+    PREFER = "prefer"  # prefer the result of the restart to the first
+    SPLINE = "spline"  # add a spline term
+    REFINE = "refine"  # double the nodes of a spline term
+    ABSORB = "absorb"  # keep or drop an effect beside the spline term that may contain it
+    VALIDATE = "validate"  # keep or drop selected terms by held-out errors
+    EXTEND = "extend"  # add a candidate by held-out errors
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a decision rests on beside the two fits that it compares.
+    """Evidence of a decision beside the two fits that it compares.
 
     Attributes:
-        winner: the best fit of its round (ADD, SWAP, SPLINE), or the one whose gain is largest and sure (EXTEND).
-        holder: the fit whose place is taken (SWAP), or the one without the spline term (ABSORB).
-        without: fits that lack one of the two effects each (SPLIT).
-        before, after: held-out figures without and with what is tried: deviance of each recording (SPLINE), RMS error
-            of each window [m] (VALIDATE, EXTEND).
-        tests: candidates that share the chance of a false positive (EXTEND).
-        nested: whether the spline term contains the effect (ABSORB).
+        winner: the best fit of the round (ADD, SWAP, SPLINE), or that of the largest significant gain (EXTEND).
+        holder: the fit with the effect to be replaced (SWAP), or without the spline term (ABSORB).
+        without: fits without one or the other of the pair (SPLIT).
+        before, after: held-out results without and with the terms tried: deviance of each recording (SPLINE), RMS
+            error of each window [m] (VALIDATE, EXTEND).
+        tests: number of candidates among which the significance level is divided (EXTEND).
+        nested: whether the effect is nested in the spline term (ABSORB).
     """
 
     winner: Fit | None = None
@@ -66,7 +66,7 @@ NONE = Evidence()
 
 @dataclass(frozen=True)
 class Decision:
-    """Whether something is kept, by how much it lowers the criterion, and why."""
+    """Whether the terms tried are kept, by how much they lower the criterion, and the reason."""
 
     kept: bool
     gain: float
@@ -75,29 +75,25 @@ class Decision:
 
 @dataclass(frozen=True)
 class Criterion:
-    """Every rule of decision, with the settings that it goes by."""
+    """The criterion and the decision rules, with their settings."""
 
     settings: Settings = field(default=DEFAULT)
 
-    def value(self, one: Fit) -> float:
-        """Quasi-BIC of a fit; with a spline term its BIC."""
-        return self._value(one, spline=one.hypothesis.spline is not None)
+    def value(self, fit: Fit) -> float:
+        """Quasi-BIC of a fit; BIC if it has a spline term."""
+        return self._value(fit, spline=fit.hypothesis.spline is not None)
 
     def gain(self, tried: Fit, against: Fit) -> float:
-        """By how much `tried` lowers the criterion; both by BIC where either has a spline term."""
+        """Decrease of the criterion from `against` to `tried`; of the BIC if either has a spline term."""
         spline = tried.hypothesis.spline is not None or against.hypothesis.spline is not None
         return self._value(against, spline=spline) - self._value(tried, spline=spline)
 
-    def _value(self, one: Fit, *, spline: bool) -> float:
+    def _value(self, fit: Fit, *, spline: bool) -> float:
         overdispersion = 1.0 if spline else self.settings.overdispersion
-        return one.deviance / overdispersion + math.log(one.readings) * len(one.theta)
+        return fit.deviance / overdispersion + math.log(fit.readings) * len(fit.theta)
 
     def decide(self, rule: Rule, tried: Fit, against: Fit, evidence: Evidence = NONE) -> Decision:
-        """Decide whether `tried` is kept over `against`.
-
-        Args:
-            against: the fit without what is tried, or the one whose result it would replace.
-        """
+        """Decide whether `tried` is kept in preference to `against`, the fit that it extends or would replace."""
         gain = self.gain(tried, against)
         rules: Mapping[Rule, Callable[[Fit, Fit, float, Evidence], tuple[bool, str]]] = {
             Rule.ADD: self._add,
@@ -117,78 +113,77 @@ class Criterion:
         return Decision(bool(kept), float(gain), because)
 
     def _add(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best of its round is kept if it lowers the criterion by more than `keep`."""
-        first = evidence.winner is None or evidence.winner is tried
-        kept = first and gain > self.settings.keep
+        """The best fit of its round is kept if it lowers the criterion by more than `keep`."""
+        best = evidence.winner is None or evidence.winner is tried
+        kept = best and gain > self.settings.keep
         return kept, self._because(tried, gain, kept, evidence)
 
     def _drop(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """An effect found before stays as long as it lowers the criterion by `keep`."""
+        """An effect found earlier is kept if it still lowers the criterion by `keep`."""
         kept = not gain < self.settings.keep
-        return kept, "still pays beside the others" if kept else "no longer pays beside the others"
+        return kept, f"{_lowers(gain)} beside the others" if kept else "is no longer needed beside the others"
 
     def _swap(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best candidate takes the place of an effect if the criterion is lower with it."""
+        """The best candidate replaces an effect if the criterion is lower with it."""
         assert evidence.holder is not None
         kept = evidence.winner is tried and self.value(tried) < self.value(evidence.holder)
         if evidence.winner is tried and not kept and gain > 0.0:
             behind = self.value(tried) - self.value(evidence.holder)
-            return kept, f"{_lowers(gain)}, {behind:.1f} less than the effect in whose place it was tried"
+            return kept, f"{_lowers(gain)}, {behind:.1f} less than the effect that it would replace"
         return kept, self._because(tried, gain, kept, evidence)
 
     def _split(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """Two effects have to explain more than the one, and each of them has to pay."""
-        more = gain > self.settings.pair_penalty
-        kept = more and all(self.gain(tried, one) > self.settings.keep for one in evidence.without)
-        if more and not kept:
-            return kept, "the two explain more, but one of them does not pay"
-        return kept, f"the two explain {'more' if kept else 'no more'} than the one"
+        """Two effects replace one if they lower the criterion by `pair_penalty`, and each of them by `keep`."""
+        better = gain > self.settings.pair_penalty
+        kept = better and all(self.gain(tried, single) > self.settings.keep for single in evidence.without)
+        if better and not kept:
+            return kept, "the pair fits better, but one of its effects is not needed"
+        return kept, f"the pair fits {'better' if kept else 'no better'} than the one effect"
 
     def _merge(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """One effect takes the place of two that explain no more."""
+        """One effect replaces two unless these lower the criterion by `pair_penalty`."""
         kept = gain > -self.settings.pair_penalty
-        how = "more than" if gain > self.settings.pair_penalty else "as much as" if kept else "less than"
-        return kept, f"the one explains {how} the two"
+        how = "better than" if gain > self.settings.pair_penalty else "as well as" if kept else "worse than"
+        return kept, f"the one effect fits {how} the pair"
 
     def _spline(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best spline term is kept if it pays and, fitted without a recording, predicts at least half of them.
-
-        A dozen parameters can follow what happened once; a law acts again.
-        """
-        pays = evidence.winner is tried and gain > self.settings.spline_keep
+        """The best spline term is kept if it lowers the BIC by `spline_keep` and at least half of the recordings are
+        predicted better by the fit to the others: a dozen parameters can fit what happened only once."""
+        significant = evidence.winner is tried and gain > self.settings.spline_keep
         wins = sum(after < before for before, after in zip(evidence.before, evidence.after, strict=True))
-        recurs = 2 * wins >= len(evidence.before)
+        reproducible = 2 * wins >= len(evidence.before)
         text = f"lowers the BIC by {gain:.0f}"
-        if pays and not recurs:
+        if significant and not reproducible:
             text += ", but fitted to some of the recordings it does not predict the others"
-        return pays and recurs, text if pays else f"{text}, too little"
+        return significant and reproducible, text if significant else f"{text}, too little"
 
     def _absorb(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """An effect beside a spline term has to pay, and not to be what the catalogue took of the same cause."""
+        """An effect beside a spline term is kept if it lowers the BIC by `keep`, and is not nested in the spline term
+        while this pays without it."""
         assert evidence.holder is not None
         contained = evidence.nested and self.gain(against, evidence.holder) > self.settings.spline_keep
         if contained:
             return False, "is contained in the spline term"
         kept = not gain < self.settings.keep
-        return kept, f"{'pays' if kept else 'does not pay'} beside the spline term"
+        return kept, f"{'is' if kept else 'is not'} needed beside the spline term"
 
     def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """What was found is kept if the windows of recordings that it was not fitted to are predicted better."""
-        before, after = (rms(each) for each in (evidence.before, evidence.after))
+        """Selected terms are kept if held-out windows are predicted better with them."""
+        before, after = rms(evidence.before), rms(evidence.after)
         kept = after < before
         return kept, f"predicts held-out windows {'better' if kept else 'worse'}: {after:.3g} m for {before:.3g} m RMS"
 
     def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """A candidate is kept if it predicts held-out windows better beyond chance, and best of its round."""
-        before, after = (rms(each) for each in (evidence.before, evidence.after))
-        sure = self.reduction(evidence).sure
-        text = f"predicts held-out windows by {after:.3g} m RMS instead of {before:.3g} m"
-        if not sure:
-            text += ", which may be chance"
-        return sure and evidence.winner is tried, text
+        """A candidate is kept if it is the best of its round and reduces the held-out error significantly."""
+        before, after = rms(evidence.before), rms(evidence.after)
+        significant = self.reduction(evidence).sure
+        text = f"predicts held-out windows with {after:.3g} m RMS error instead of {before:.3g} m"
+        if not significant:
+            text += ", which is not significant"
+        return significant and evidence.winner is tried, text
 
     def reduction(self, evidence: Evidence) -> Margin:
-        """Reduction of the held-out error [m], at the chance that all tests share."""
+        """Reduction of the RMS held-out error [m], with its interval at the significance level divided by `tests`."""
         before, after = np.array(evidence.before), np.array(evidence.after)
         return rms_reduction(before, after, self.settings.chance / evidence.tests)
 
@@ -196,32 +191,32 @@ class Criterion:
         if kept:
             return _lowers(gain)
         if not gain > 0.0:
-            return "does not pay for its parameters"
+            return "does not lower the quasi-BIC"
         if evidence.winner is None or evidence.winner is tried:
-            return f"{_lowers(gain)}, which may be chance"
+            return f"{_lowers(gain)}, too little"
         behind = self.value(tried) - self.value(evidence.winner)
         return f"{_lowers(gain)}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}"
 
-    def explained(self, problem: Problem, one: Fit) -> bool:
-        """Whether the process noise is within a small factor of the input-noise floor: nothing is left to explain."""
-        return one.root_process_noise < self.settings.explained_ratio * problem.angle_floor
+    def explained(self, problem: Problem, fit: Fit) -> bool:
+        """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
+        return fit.root_process_noise < self.settings.explained_ratio * problem.angle_floor
 
-    def unexplained(self, problem: Problem, one: Fit) -> bool:
-        """Whether the process noise is an order of magnitude above the input-noise floor: something certainly acts."""
-        return one.root_process_noise > self.settings.unexplained_ratio * problem.angle_floor
+    def unexplained(self, problem: Problem, fit: Fit) -> bool:
+        """Whether √q is an order of magnitude above the input-noise floor: missing physics is certain."""
+        return fit.root_process_noise > self.settings.unexplained_ratio * problem.angle_floor
 
-    def rivals(self, one: Fit, found: Fit) -> bool:
-        """Whether `one` explains nearly as much as `found`, so that the data do not tell them apart."""
-        alike = (one.hypothesis.spline is None) == (found.hypothesis.spline is None)
-        return alike and self.value(one) < self.value(found) + self.settings.rival
+    def rivals(self, fit: Fit, found: Fit) -> bool:
+        """Whether `fit` is indistinguishable from `found`; never if only one of them has a spline term."""
+        comparable = (fit.hypothesis.spline is None) == (found.hypothesis.spline is None)
+        return comparable and self.value(fit) < self.value(found) + self.settings.rival
 
-    def rival_separation(self, one: Fit, found: Fit) -> float:
-        """Standard deviations from which on `one` is told from `found`, by the deviance alone."""
-        price = math.log(found.readings) * (len(one.theta) - len(found.theta))
+    def rival_separation(self, fit: Fit, found: Fit) -> float:
+        """Separation √(ΔD/ĉ) from which `fit` is distinguishable from `found` [σ]."""
+        price = math.log(found.readings) * (len(fit.theta) - len(found.theta))
         return math.sqrt(max(self.settings.rival - price, 0.0))
 
     def detection_limit(self, readings: int, parameters: int) -> float:
-        """Standard deviations from which on an effect of so many parameters is kept."""
+        """Size over standard error from which an effect of so many parameters is kept [σ]."""
         return math.sqrt(self.settings.keep + math.log(readings) * parameters)
 
 

@@ -1,4 +1,4 @@
-"""The ledger: every decision of the search in its order, with what it rested on."""
+"""The ledger: every decision of the search in order, with its evidence."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from harness.identify.selection.criterion import NONE, Criterion, Decision, Evid
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One decision.
+    """One decision of the search.
 
     Attributes:
-        rule: what it was about.
-        effects: what was tried, by name; empty for a spline term.
-        fit, against: with it and without, or with what it was held against.
-        evidence: what else it rested on.
-        decision: what was decided.
+        rule: the decision rule.
+        effects: names of the effects tried; empty for a spline term.
+        fit, against: the two fits compared, with the terms tried and without them or with their alternative.
+        evidence: further evidence.
+        decision: the result.
     """
 
     rule: Rule
@@ -30,7 +30,7 @@ class Line:
 
     @property
     def title(self) -> str:
-        """What was tried, in words."""
+        """Name of the terms tried."""
         if self.effects:
             return " + ".join(self.effects)
         spline = self.fit.hypothesis.spline
@@ -38,7 +38,7 @@ class Line:
 
     @property
     def beside(self) -> tuple[str, ...]:
-        """The effects that both fits have, but for what was tried."""
+        """The effects that both fits have, without those tried."""
         return tuple(
             name
             for name in self.fit.hypothesis.names
@@ -47,22 +47,22 @@ class Line:
 
     @property
     def kept(self) -> bool:
-        """Whether it was kept then."""
+        """Whether the terms tried were kept."""
         return self.decision.kept
 
     @property
     def gain(self) -> float:
-        """By how much it lowers the criterion."""
+        """Decrease of the criterion."""
         return self.decision.gain
 
     @property
     def because(self) -> str:
-        """Why it was kept or not."""
+        """The reason."""
         return self.decision.because
 
 
 class Ledger:
-    """Decides by the criterion, and keeps every decision."""
+    """Decides by the criterion and records every decision."""
 
     def __init__(self, criterion: Criterion) -> None:
         self.criterion = criterion
@@ -71,17 +71,17 @@ class Ledger:
     def decide(
         self, rule: Rule, fit: Fit, against: Fit, effects: Sequence[str] = (), evidence: Evidence = NONE
     ) -> bool:
-        """Whether `fit` is kept over `against`.
+        """Decide and record whether `fit` is kept in preference to `against`.
 
         Args:
-            effects: what is tried, by name; nothing for a spline term.
+            effects: names of the effects tried; empty for a spline term.
         """
         decision = self.criterion.decide(rule, fit, against, evidence)
         self.lines.append(Line(rule, tuple(effects), fit, against, evidence, decision))
         return decision.kept
 
     def decide_round(self, rule: Rule, tried: Sequence[Fit], against: Fit, *, holder: Fit | None = None) -> Fit | None:
-        """Decide on candidates, best first, each of which adds its last effect to `against`; the one kept, if any."""
+        """Decide on fits that each add their last effect to `against`, best first; return the one kept, if any."""
         evidence = Evidence(winner=tried[0] if tried else None, holder=holder)
-        kept = [one for one in tried if self.decide(rule, one, against, one.hypothesis.names[-1:], evidence)]
+        kept = [fit for fit in tried if self.decide(rule, fit, against, fit.hypothesis.names[-1:], evidence)]
         return kept[0] if kept else None

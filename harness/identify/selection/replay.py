@@ -1,4 +1,4 @@
-"""Replay of a recorded ledger: do its hashes, deviances and decisions come out again from the same inputs?"""
+"""Replay of a recorded ledger: check that its hashes, deviances and decisions follow from the same inputs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,16 @@ from harness.identify.selection.cross_validation import held_out_errors
 from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
 from harness.identify.selection.spline_terms import held_out_deviances
 
-# Of a deviance, evaluated at the same parameters: another processor may round some thousand terms differently, by 1e-9
-# at most; what decides is 6000 times as large.
+# Absolute tolerance of a deviance at the same parameters: its some thousand terms may round differently by up to 1e-9
+# on another processor; the smallest decision threshold is 1.
 _TOLERANCE = 1e-3
-_RELATIVE = 1e-9  # of the problem's numbers, some of which are estimated
+_RELATIVE = 1e-9  # relative tolerance of the problem's numbers, some of which are estimates
+_WRONG_HASH = "its content does not give its hash"
 
 
 @dataclass(frozen=True)
 class Mismatch:
-    """Something that does not come out again: where, and what is recorded against what was found."""
+    """A difference between record and replay: where it is, and both values."""
 
     where: str
     what: str
@@ -38,12 +40,12 @@ class Mismatch:
 
 @dataclass(frozen=True)
 class Replay:
-    """What a replay found.
+    """Result of a replay.
 
     Attributes:
-        attempts, fits: how many were replayed.
-        mismatches: what did not come out again.
-        largest: difference of a deviance.
+        attempts, fits: numbers of decisions and fits that were replayed.
+        mismatches: all differences.
+        largest: largest difference of a deviance.
     """
 
     attempts: int
@@ -62,38 +64,38 @@ def replay(
     """Replay `ledger`, `fits` and `problem` of a diagnosis.json.
 
     Args:
-        problem: posed anew from the same files.
-        refit: re-optimise every fit from its recorded parameters, compute what was held out anew, and decide by what
-            comes out, instead of evaluating the fits where they are.
+        problem: made from the same files.
+        refit: re-optimise every fit from its recorded parameters and recompute held-out results before deciding,
+            instead of evaluating the fits at their recorded parameters.
 
     Raises:
-        KeyError, ValueError: fits and decisions of the record do not belong together.
+        KeyError, ValueError: fits and decisions of the record are inconsistent.
     """
     posed, recorded, lines = record.problem, record.fits, record.ledger
-    mismatches = [*_problem(posed, problem)]
+    mismatches = [*_problem_differences(posed, problem)]
     fits: dict[str, Fit] = {}
     largest = 0.0
-    for name, one in recorded.items():
-        names = [each.name for each in one.effects]
-        title = " + ".join([*names, *(["spline term"] if one.spline_term else [])]) or "none"
-        progress(f"{title} ({len(fits) + 1} of {len(recorded)})")
-        if fit_hash(posed, one) != name:
-            mismatches.append(Mismatch(f"fit {name} ({title})", "its content does not give its hash"))
-        found = _evaluated(one, problem)
-        difference = abs(found.deviance - _number(one.deviance))
+    for name, entry in recorded.items():
+        names = [effect.name for effect in entry.effects]
+        title = " + ".join([*names, *(["spline term"] if entry.spline_term else [])]) or "none"
+        progress(f"replay: {title} ({len(fits) + 1} of {len(recorded)})")
+        if fit_hash(posed, entry) != name:
+            mismatches.append(Mismatch(f"fit {name} ({title})", _WRONG_HASH))
+        evaluated = _evaluated(entry, problem)
+        difference = abs(evaluated.deviance - _number(entry.deviance))
         largest = max(largest, difference)
         if difference > _TOLERANCE:
-            text = f"deviance {found.deviance:.6f}, recorded {_number(one.deviance):.6f}"
+            text = f"deviance {evaluated.deviance:.6f}, recorded {_number(entry.deviance):.6f}"
             mismatches.append(Mismatch(f"fit {name} ({title})", text))
-        fits[name] = _again(found, problem) if refit else found
-    decisions = _decided_anew(lines, fits, problem, progress if refit else None)
-    mismatches += _differences(lines, decisions, exact=not refit)
+        fits[name] = _refitted(evaluated, problem) if refit else evaluated
+    decisions = _decisions(lines, fits, problem, progress if refit else None)
+    mismatches += _decision_differences(lines, decisions, exact=not refit)
     return Replay(len(lines), len(recorded), tuple(mismatches), largest)
 
 
-def _problem(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
+def _problem_differences(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
     if hashed(posed) != posed.hash:
-        yield Mismatch("problem", "its content does not give its hash")
+        yield Mismatch("problem", _WRONG_HASH)
     recorded = posed.model_dump(exclude={"hash"})
     for key, value in problem_record(problem, posed.inputs).model_dump(exclude={"hash"}).items():
         if not _alike(value, recorded[key]):
@@ -101,7 +103,7 @@ def _problem(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
 
 
 def _alike(one: Any, other: Any) -> bool:
-    """Whether two records are the same but for rounding."""
+    """Whether two records agree up to rounding."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return one.keys() == other.keys() and all(_alike(one[key], other[key]) for key in one)
     if isinstance(one, Sequence) and isinstance(other, Sequence) and not isinstance(one, str):
@@ -111,14 +113,14 @@ def _alike(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _evaluated(one: FitRecord, problem: Problem) -> Fit:
-    """A recorded fit, its deviance evaluated anew at its recorded parameters."""
-    spline = None if one.spline_term is None else SplineTerm.of(one.spline_term)
-    hypothesis = Hypothesis(tuple(each.name for each in one.effects), spline)
-    theta = np.array(one.parameters, dtype=float)
+def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
+    """A recorded fit with the deviance at its recorded parameters."""
+    spline = None if entry.spline_term is None else SplineTerm.of(entry.spline_term)
+    hypothesis = Hypothesis(tuple(effect.name for effect in entry.effects), spline)
+    theta = np.array(entry.parameters, dtype=float)
     if len(theta) != hypothesis.size(problem):
         raise ValueError(f"{len(theta)} parameters for a hypothesis of {hypothesis.size(problem)}")
-    at, process_noise = hypothesis.terms(theta, problem), one.process_noise_m2_s3
+    at, process_noise = hypothesis.terms(theta, problem), entry.process_noise_m2_s3
     return Fit(
         hypothesis,
         theta,
@@ -130,35 +132,35 @@ def _evaluated(one: FitRecord, problem: Problem) -> Fit:
     )
 
 
-def _again(found: Fit, problem: Problem) -> Fit:
-    """Re-optimised from where it is; where that leads nowhere better, as it is."""
-    onward = fit(problem, found.hypothesis, process_noise=found.process_noise, starts=[found.theta])
-    return onward if onward.deviance < found.deviance else replace(found)
+def _refitted(recorded: Fit, problem: Problem) -> Fit:
+    """The fit re-optimised from its recorded parameters, or the same fit if its deviance does not decrease."""
+    again = fit(problem, recorded.hypothesis, process_noise=recorded.process_noise, starts=[recorded.theta])
+    return again if again.deviance < recorded.deviance else replace(recorded)
 
 
-def _decided_anew(
+def _decisions(
     lines: Sequence[LedgerLine], fits: Mapping[str, Fit], problem: Problem, refit: Progress | None
 ) -> list[Decision]:
-    """Every decision by the rules of the search, from the fits and the held-out figures."""
+    """Every decision by the rules of the search, from the fits and the held-out results."""
     criterion = Criterion(problem.settings)
     decisions: list[Decision] = []
     rounds = groupby(lines, key=lambda line: (line.rule, line.against, line.evidence.winner))
-    for (rule, against, _), each in rounds:
-        tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in each]
+    for (rule, against, _), group in rounds:
+        tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in group]
         winner = _winner(Rule(rule), tried, criterion)
-        for one, evidence in tried:
-            among = evidence if evidence.winner is None else replace(evidence, winner=winner)
-            decisions.append(criterion.decide(Rule(rule), one, fits[against], among))
+        for candidate, evidence in tried:
+            full = evidence if evidence.winner is None else replace(evidence, winner=winner)
+            decisions.append(criterion.decide(Rule(rule), candidate, fits[against], full))
     return decisions
 
 
 def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
-    """The best of a round: by its held-out gain if that is what is asked, else by the criterion."""
+    """The best fit of a round: by held-out errors for EXTEND, else by the criterion."""
     if rule is Rule.EXTEND:
-        margins = [(criterion.reduction(evidence), one) for one, evidence in tried]
-        sure = [(margin.value, one) for margin, one in margins if margin.sure]
-        return max(sure, key=lambda each: each[0])[1] if sure else None
-    return min((one for one, _ in tried), key=criterion.value)
+        margins = [(criterion.reduction(evidence), candidate) for candidate, evidence in tried]
+        significant = [(margin.value, candidate) for margin, candidate in margins if margin.sure]
+        return max(significant, key=itemgetter(0))[1] if significant else None
+    return min((candidate for candidate, _ in tried), key=criterion.value)
 
 
 def _evidence(
@@ -167,16 +169,16 @@ def _evidence(
     problem: Problem,
     refit: Progress | None,
 ) -> Evidence:
-    """Evidence of a line; held-out figures as recorded, or computed anew."""
+    """Evidence of a line, with held-out results as recorded or, to `refit`, recomputed."""
     recorded = line.evidence
     before, after = tuple(map(_number, recorded.before)), tuple(map(_number, recorded.after))
-    one, against = fits[line.fit], fits[line.against]
+    tried, against = fits[line.fit], fits[line.against]
     if refit is not None and before:
         if line.rule == Rule.SPLINE:
-            before, after = held_out_deviances(problem, against, one, refit)
+            before, after = held_out_deviances(problem, against, tried, refit)
         else:
-            refit(f"{line.effect} on held-out windows")
-            before, after = held_out_errors(problem, against), held_out_errors(problem, one)
+            refit(f"cross-validation: {line.effect}")
+            before, after = held_out_errors(problem, against), held_out_errors(problem, tried)
     return Evidence(
         winner=None if recorded.winner is None else fits[recorded.winner],
         holder=None if recorded.holder is None else fits[recorded.holder],
@@ -188,20 +190,19 @@ def _evidence(
     )
 
 
-def _differences(lines: Sequence[LedgerLine], decisions: Sequence[Decision], *, exact: bool) -> Iterator[Mismatch]:
-    """Hashes, gains, decisions and reasons that are not as recorded."""
+def _decision_differences(
+    lines: Sequence[LedgerLine], decisions: Sequence[Decision], *, exact: bool
+) -> Iterator[Mismatch]:
+    """Differences of hashes, decisions and, if `exact`, gains."""
     for n, (line, now) in enumerate(zip(lines, decisions, strict=True)):
         where = f"attempt {n + 1}, {line.effect}"
         if hashed(line) != line.hash:
-            yield Mismatch(where, "its content does not give its hash")
+            yield Mismatch(where, _WRONG_HASH)
         if now.kept != line.kept:
-            yield Mismatch(where, f"is {_fate(now.kept)}, recorded as {_fate(line.kept)}")
+            kept, recorded = ("kept" if one else "not kept" for one in (now.kept, line.kept))
+            yield Mismatch(where, f"is {kept}, recorded as {recorded}")
         if exact and not abs(now.gain - _number(line.gain)) <= _TOLERANCE:
             yield Mismatch(where, f"gain {now.gain:.4f}, recorded {_number(line.gain):.4f}")
-
-
-def _fate(kept: bool) -> str:
-    return "kept" if kept else "not kept"
 
 
 def _number(value: float | None) -> float:

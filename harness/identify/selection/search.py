@@ -17,10 +17,10 @@ from harness.identify.selection.stepwise import stepwise
 
 @dataclass(frozen=True)
 class Selection:
-    """What was selected.
+    """Result of the search.
 
     Attributes:
-        base, found: fits without and with what was selected.
+        base, found: fits without and with the selected terms.
         ledger: every decision.
     """
 
@@ -30,7 +30,7 @@ class Selection:
 
 
 def search(problem: Problem, progress: Progress = lambda _: None) -> Selection:
-    """Select the terms that the recordings call for."""
+    """Select the terms that the recordings require beside the known effects."""
     ledger = Ledger(Criterion(problem.settings))
     base = fit(problem, Hypothesis(problem.unknown))
     found = stepwise(problem, base, ledger, progress)

@@ -1,4 +1,4 @@
-"""Spline terms of unknown law, tried where effects leave something unexplained."""
+"""Selection of a spline term, tried where effects of the catalogue leave something unexplained."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from analytic.law import acceleration, dry_limit
 from analytic.motion import FloatArray
 from analytic.slots import RESPONSE, ROLL, WEIGHT
 from harness.identify.estimate.fit import Fit, fit, unrefined
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import Progress, found_in, in_threads
-from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.candidates import Progress, in_threads, selected_effects
+from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 
-# Process noise of a held-out recording over that of the others.
-_NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
-_OPEN = 1e-3  # process noise with which a filter follows the readings whatever the model lacks [m²/s³]
+_NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)  # process noise of a held-out recording over that of the others
+_OPEN = 1e-3  # process noise with which the filter follows the readings despite missing physics [m²/s³]
 
 
 def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
-    """The best fit with a spline term beside the effects of `found`, or `found` itself where none pays.
+    """`found` with the best spline term, or `found` if none is kept.
 
-    Where one pays, it gets twice the nodes if these pay too, and each effect found before has to pay beside it again.
+    A spline term that is kept is refined to twice the nodes if that pays, and each effect found before is tested again
+    beside it.
     """
     tried = _fit_kinds(problem, found, progress)
     best = tried[0]
@@ -40,48 +40,48 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     kept = [one for one in tried if ledger.decide(Rule.SPLINE, one, found, evidence=evidence)]
     if not kept:
         return found
-    best = _refined(problem, best, ledger, progress)
-    for name in found_in(problem, found):
+    best = _with_finer_spline(problem, best, ledger, progress)
+    for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
-        progress(f"{name} again")
+        progress(f"without {name}")
         nested = _kind(best) in CATALOGUE[name].relations.nested_in
-        spline = _with_law_in_it(problem, best, name) if nested else best.refined.spline
+        spline = _with_effect_absorbed(problem, best, name) if nested else best.refined.spline
         without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, known=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
         best = best if stays else without
     return best
 
 
-def _shape(one: Fit) -> SplineTerm:
-    assert one.terms.spline is not None
-    return one.terms.spline
+def _spline(fit: Fit) -> SplineTerm:
+    assert fit.terms.spline is not None
+    return fit.terms.spline
 
 
-def _kind(one: Fit) -> tuple[Regressor, bool]:
-    return _shape(one).depends, _shape(one).friction
+def _kind(fit: Fit) -> tuple[Regressor, bool]:
+    return _spline(fit).depends, _spline(fit).friction
 
 
-def _refined(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
-    """The spline term through twice as many nodes, if these pay."""
-    progress(f"a finer {_shape(best).name}")
-    finer = Hypothesis(best.hypothesis.names, _shape(best).finer())
-    one = fit(problem, finer, process_noise=best.process_noise, known=best.values())
-    return one if ledger.decide(Rule.REFINE, one, best) else best
+def _with_finer_spline(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """The fit with twice the nodes of its spline term if that pays, else `best`."""
+    progress(f"{_spline(best).name} with twice the nodes")
+    finer = Hypothesis(best.hypothesis.names, _spline(best).finer())
+    refined = fit(problem, finer, process_noise=best.process_noise, known=best.values())
+    return refined if ledger.decide(Rule.REFINE, refined, best) else best
 
 
-def _with_law_in_it(problem: Problem, best: Fit, name: str) -> SplineTerm:
-    """The spline term with the law of an effect that it contains added to its nodes, and with nodes for both."""
-    spline = _shape(best)
+def _with_effect_absorbed(problem: Problem, best: Fit, name: str) -> SplineTerm:
+    """The spline term, with the refined number of nodes, plus the law of an effect that is nested in it."""
+    spline = _spline(best)
     spline = spline if len(spline.nodes) > problem.settings.spline_nodes else spline.finer()
-    (effect,) = (one for one in best.terms.effects if one.effect.name == name)
-    return replace(spline, nodes=spline.nodes + _law_along(problem, effect, spline))
+    (effect,) = (term for term in best.terms.effects if term.effect.name == name)
+    return replace(spline, nodes=spline.nodes + _law_at_nodes(problem, effect, spline))
 
 
-def _law_along(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArray:
-    """The law of an effect at the nodes of a spline term of its kind, in their unit, shape (n,)."""
-    bare, full = (parameters_with(problem.model, problem.rig, each) for each in ((), (effect,)))
-    if spline.friction:  # of a rolling ball, and the mean of both directions
-        limits = [dry_limit(0.0, towards, towards, 0.0, 0.0, 0.0, full) for towards in (1.0, -1.0)]
+def _law_at_nodes(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArray:
+    """The law of an effect at the nodes of a spline term in which it is nested, in the unit of the nodes, (n,)."""
+    bare, full = (parameters_with(problem.model, problem.rig, effects) for effects in ((), (effect,)))
+    if spline.friction:  # mean over both directions of a rolling ball
+        limits = [dry_limit(0.0, sign, sign, 0.0, 0.0, 0.0, full) for sign in (1.0, -1.0)]
         return np.full(len(spline.nodes), np.mean(limits) / (full[RESPONSE] * full[WEIGHT]))
     s, v, angle = np.zeros((3, len(spline.nodes)))
     if spline.depends is Regressor.VELOCITY:
@@ -91,42 +91,42 @@ def _law_along(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArr
     else:
         s = spline.places / full[ROLL] if spline.turning else spline.places
 
-    def along(p: FloatArray) -> FloatArray:
-        return np.array([acceleration(*at, 0.0, 0.0, p) for at in zip(s, v, angle, strict=True)])
+    def at_nodes(p: FloatArray) -> FloatArray:
+        return np.array([acceleration(*state, 0.0, 0.0, p) for state in zip(s, v, angle, strict=True)])
 
-    return (along(full) - along(bare)) / full[RESPONSE]
+    return (at_nodes(full) - at_nodes(bare)) / full[RESPONSE]
 
 
 def held_out_deviances(
     problem: Problem, found: Fit, best: Fit, progress: Progress
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Deviance of each recording by fits to the others, without and with the spline term; none of a single one."""
+    """Deviance of each recording by fits to the others, without and with the spline term; empty for a single one."""
     if len(problem.recordings) == 1:
         return (), ()
     before: list[float] = []
     after: list[float] = []
     for fold in folds(problem):
-        progress(f"the spline term without {fold.title}")
-        for one, deviances in ((found, before), (best, after)):
-            refit = fit(fold.problem, one.refined, process_noise=one.process_noise, known=one.values())
-            deviances.append(_deviance(fold, refit))
+        progress(f"spline term: {fold.title} held out")
+        for full, deviances in ((found, before), (best, after)):
+            refit = fit(fold.problem, full.refined, process_noise=full.process_noise, known=full.values())
+            deviances.append(_held_out_deviance(fold, refit))
     return tuple(before), tuple(after)
 
 
-def _deviance(fold: Fold, fitted: Fit) -> float:
-    """Of the held-out recording; its phase and process noise are its own."""
-    record: PreparedRecording = fold.left[0]
-    phase = phase_of(fold.problem, fitted, record, record.reading)
-    process_noises = fitted.process_noise * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, record, fitted.terms, one, phase=phase) for one in process_noises)
+def _held_out_deviance(fold: Fold, fitted: Fit) -> float:
+    """Deviance of the held-out recording, with φ₀ and process noise fitted to it."""
+    recording: PreparedRecording = fold.left[0]
+    phase = phase_of(fold.problem, fitted, recording, recording.reading)
+    densities = fitted.process_noise * _NOISE_RATIOS
+    return min(deviance_of(fold.problem, recording, fitted.terms, density, phase=phase) for density in densities)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
-    """A spline term of every kind beside what was found, best first; fitted where its screening fit promises it."""
+    """Fits of `found` with a spline term of each kind, best first; only promising screening fits are optimised."""
     steps = (COARSE_STEP, 1.0)
 
     def begin(depends: Regressor, friction: bool) -> Hypothesis:
-        """One of the rolled angle begins as one recording has it: how the ball lay in the others shows then."""
+        """With a zero spline term; one of the rolled angle as fitted to one recording, so that each φ₀ can follow."""
         count = problem.settings.spline_nodes
         spline = blank(depends, friction, *visited(problem, depends), count)
         hypothesis = Hypothesis(found.hypothesis.names, spline)
@@ -138,34 +138,33 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
 
     def screened(hypothesis: Hypothesis) -> ScreeningFit:
         assert hypothesis.spline is not None
-        progress(f"a {hypothesis.spline.name}")
+        progress(f"screening: {hypothesis.spline.name}")
         return screen(problem, hypothesis, found.process_noise, found.values(), steps=steps)[0]
 
     hypotheses = in_threads(lambda kind: begin(*kind), KINDS)
-    seen = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
-    least = problem.settings.spline_share * max(found.deviance - one.hoped for _, one in seen)
+    screenings = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
+    least = problem.settings.spline_share * max(found.deviance - first.hoped for _, first in screenings)
 
-    def follow(each: tuple[Hypothesis, ScreeningFit]) -> Fit:
-        hypothesis, first = each
+    def finish(screening: tuple[Hypothesis, ScreeningFit]) -> Fit:
+        hypothesis, first = screening
         if found.deviance - first.hoped < least:
             return unrefined(problem, hypothesis, first)
         return fit(problem, hypothesis, process_noise=found.process_noise, starts=[first.theta])
 
-    fits = in_threads(follow, seen)
-    return sorted(fits, key=lambda one: one.deviance + np.log(one.readings) * len(one.theta))
+    return sorted(in_threads(finish, screenings), key=Criterion(problem.settings).value)
 
 
 def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:
-    """Between what the recordings keep what a curve depends on; the outermost half percents are left out."""
+    """Range of a regressor in the recordings, in its unit, without 0.5 % at either end."""
     match depends:
         case Regressor.TIME:
             return min(r.time[0] for r in problem.recordings), max(r.time[-1] for r in problem.recordings)
         case Regressor.ROLL_ANGLE:
             return 0.0, 2.0 * np.pi
         case Regressor.ANGLE:
-            values = [record.table[:, 0] for record in problem.recordings]
+            values = [recording.table[:, 0] for recording in problem.recordings]
         case Regressor.POSITION:
-            values = [record.reading[np.isfinite(record.reading)] for record in problem.recordings]
+            values = [recording.reading[np.isfinite(recording.reading)] for recording in problem.recordings]
         case Regressor.VELOCITY:
             runs = ((run_filter(problem, one, NOTHING, _OPEN), np.isfinite(one.reading)) for one in problem.recordings)
             values = [run.state[known, 1] for run, known in runs]

@@ -1,4 +1,4 @@
-"""Stepwise selection: effects added one after the other, each followed by swap steps, until none pays any more."""
+"""Stepwise selection: effects are added one at a time, each followed by swap steps, until no candidate is kept."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from operator import itemgetter
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, found_in
+from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.swaps import swap_steps
 
 
 def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
-    """The fit with the effects that the recordings call for.
+    """The fit with the effects that the recordings require.
 
-    What comes first by itself can be what two other effects look like together. Where much is left unexplained, the
-    search is made again from the runner-up beside which a screening fit predicts most, and the better end is kept.
+    The first effect added may imitate two others. If much is left unexplained, the search restarts from the runner-up
+    whose screening fits reach the lowest criterion, and the better result is kept.
 
     Args:
-        base: the fit of what is unknown of the rig, and nothing else.
-        ledger: which every decision is written to.
+        base: the fit of the stand-ins for unknown rig quantities alone.
+        ledger: records every decision.
     """
     settings, criterion = problem.settings, ledger.criterion
     first = fit_candidates(problem, base, progress)
@@ -28,22 +28,22 @@ def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) ->
     if not first or criterion.explained(problem, best):
         return best
     least = max(settings.keep, settings.restart_share * criterion.gain(first[0], base))
-    others = [one for one in first[1 : 1 + settings.restarts_from] if criterion.gain(one, base) > least]
-    screened = [(best_screened(problem, one, progress), one) for one in others]
-    lowest, other = min(screened, key=itemgetter(0), default=(0.0, None))
-    if other is None or lowest >= criterion.value(best) + settings.restart_slack:
+    runners_up = [fit for fit in first[1 : 1 + settings.restarts_from] if criterion.gain(fit, base) > least]
+    screened = [(best_screened(problem, fit, progress), fit) for fit in runners_up]
+    lowest, runner_up = min(screened, key=itemgetter(0), default=(0.0, None))
+    if runner_up is None or lowest >= criterion.value(best) + settings.restart_slack:
         return best
-    ledger.decide(Rule.RESTART, other, base, found_in(problem, other))
-    again = _grow(problem, base, other, ledger, progress)
-    return again if ledger.decide(Rule.PREFER, again, best, found_in(problem, again)) else best
+    ledger.decide(Rule.RESTART, runner_up, base, selected_effects(problem, runner_up))
+    again = _grow(problem, base, runner_up, ledger, progress)
+    return again if ledger.decide(Rule.PREFER, again, best, selected_effects(problem, again)) else best
 
 
 def _grow(problem: Problem, base: Fit, first: Fit | None, ledger: Ledger, progress: Progress) -> Fit:
-    """What is found when `first` is kept first: one effect after the other, until no further one pays."""
+    """The selection that starts with `first`: effects are added until none is kept; `base` without a first."""
     best, kept = base, first
     while kept is not None:
         best = swap_steps(problem, kept, ledger, progress)
-        if len(found_in(problem, best)) >= problem.settings.max_effects:
+        if len(selected_effects(problem, best)) >= problem.settings.max_effects:
             break
         kept = ledger.decide_round(Rule.ADD, fit_candidates(problem, best, progress), best)
     return best

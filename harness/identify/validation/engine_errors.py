@@ -1,4 +1,4 @@
-"""Before and after in the engines: free runs of a scene without and with what was found."""
+"""Engine errors before and after: free runs of an engine without and with the identified terms."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from harness.engines.protocol import Engine, EngineParameters
 from harness.errors import EngineFailure
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
-from harness.identify.estimate.roll_phase import phase_of
+from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.filter.run import FilterRun
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
@@ -34,77 +34,80 @@ from harness.progress import Progress, silent
 Law = Callable[[FloatArray, float], None]
 Squares = list[tuple[str, FloatArray]]
 
-# [s]: leaves 3 µm in 14 s, and 25 µm at most where friction stops the ball. Where it slides MuJoCo is of first order in
-# the step, and the engines' own is kept.
+# Time step of a rolling ball [s]: error 3 µm in 14 s, at most 25 µm where friction stops the ball. For a sliding ball,
+# where MuJoCo converges with first order only, the engines' default step is used.
 _ROLLING_STEP = 2e-3
 
 
 def engine_errors(
-    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
+    main: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> dict[str, dict[str, Any]]:
-    """RMS errors [m] of each engine by horizon, without and with what was found; horizons as in `verify.errors`.
+    """RMS errors [m] of each engine by horizon, before and after; horizons as in `held_out.errors`.
 
-    Every window is a free run of the engine from the state that the readings before it give.
+    Every window is a free run of the engine from the filtered state at its beginning.
 
     Args:
-        seen: fits, and the recordings that they are held against.
-        held: the same for recordings that were held out; without any, nothing is said of them.
-        jobs: processes to run in (`harness.parallel`); 1 for this one.
+        main: the fits, and the recordings with which they are compared.
+        held: the same for held-out recordings, if any.
+        jobs: processes for the runs (`harness.parallel`); 1 runs them in this process.
 
     Returns:
-        By engine "before" and "after" with "rms_m" by horizon, and "heldout" with both again; where the engine failed
-        there is "failed", its message.
+        By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
+        failed also "failed", its message.
     """
-    with engines_running(seen, held, progress, jobs=jobs) as errors:
+    with engines_running(main, held, progress, jobs=jobs) as errors:
         return errors()
 
 
 @contextmanager
 def engines_running(
-    seen: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
+    main: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
 ) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
-    """As `engine_errors`, with the engines in processes of their own while the block goes on (`harness.parallel`)."""
+    """As `engine_errors`, but the engines run while the block does; the function that it is given awaits the errors."""
     engines = {name: engine_of(name) for name in DEFAULT_ENGINES}
     runs: dict[Hashable, Callable[[], Squares | str]] = {}
-    for engine in reversed(engines.values()):  # PyBullet takes longer; with the long jobs first, all cores end together
-        for split in (seen, *held):
-            for fit, record in itertools.product((split.base, split.found), split.left):
-                runs[_key(engine, fit, record)] = partial(_squares, split.problem, fit, record, engine)
-    words = f"{' and '.join(engines)} on {', '.join(record.name for record in seen.left)}"
+    for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
+        for split in (main, *held):
+            for fit, recording in itertools.product((split.base, split.found), split.left):
+                runs[_key(engine, fit, recording)] = partial(_squares, split.problem, fit, recording, engine)
+    title = f"{' and '.join(engines)} on {', '.join(recording.name for recording in main.left)}"
 
-    def both(engine: Engine, splits: Sequence[HeldOut], found: Mapping[Hashable, Squares | str]) -> dict[str, Any]:
+    def before_after(
+        engine: Engine, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | str]
+    ) -> dict[str, Any]:
         return {
-            when: _errors([found[_key(engine, fit(one), record)] for one in splits for record in one.left])
+            when: _errors([results[_key(engine, fit(one), recording)] for one in splits for recording in one.left])
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
 
-    def told(count: int) -> None:
-        progress(f"{words}: {count} of {len(runs)}", share=count / len(runs))
+    def report(count: int) -> None:
+        progress(f"{title}: run {count} of {len(runs)}", share=count / len(runs))
 
-    with meanwhile(list(runs.values()), jobs, told) as results:
+    with meanwhile(list(runs.values()), jobs, report) as wait:
 
         def errors() -> dict[str, dict[str, Any]]:
-            progress(words, share=0.0)
-            found = dict(zip(runs, results(), strict=True))
+            progress(title, share=0.0)
+            results = dict(zip(runs, wait(), strict=True))
             return {
-                name: both(engine, [seen], found) | ({"heldout": both(engine, held, found)} if held else {})
+                name: before_after(engine, [main], results)
+                | ({"heldout": before_after(engine, held, results)} if held else {})
                 for name, engine in engines.items()
             }
 
         yield errors
 
 
-def _key(engine: Engine, fit: Fit, record: PreparedRecording) -> Hashable:
-    """What makes a run another one. Without effects nothing is fitted: whatever the fit is to, that is the same run."""
+def _key(engine: Engine, fit: Fit, recording: PreparedRecording) -> Hashable:
+    """Identity of a run; without terms it does not depend on the fit."""
     nothing = not fit.hypothesis.names and fit.hypothesis.spline is None
-    return engine.name, None if nothing else id(fit), id(record)
+    return engine.name, None if nothing else id(fit), id(recording)
 
 
 def entries(fit: Fit) -> dict[str, str]:
-    """Where each thing that was found enters the engines' scenes: by effect, in words."""
-    places = {one.effect.name: one.effect.enters for one in fit.terms.effects}
+    """How each identified term is injected into the engines, in words, by its name."""
+    places = {term.effect.name: term.effect.enters for term in fit.terms.effects}
     if fit.terms.spline is not None:
-        places["curve"] = "friction on the ball" if fit.terms.spline.friction else "force on the ball"
+        places["spline term"] = "friction on the ball" if fit.terms.spline.friction else "force on the ball"
     return places
 
 
@@ -113,46 +116,46 @@ def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
     for run in runs:
         if isinstance(run, str):
             return {"rms_m": {}, "failed": run}
-        for horizon, each in run:
-            squares.setdefault(horizon, []).append(each)
+        for horizon, values in run:
+            squares.setdefault(horizon, []).append(values)
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> Squares | str:
-    """Squared errors [m²] of every window by horizon, or why the engine failed."""
+def _squares(problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> Squares | str:
+    """Squared errors [m²] of every window by horizon, or the message of an engine that failed."""
     try:
-        return _Scene(problem, found, record, engine).squares()
+        return _Scene(problem, found, recording, engine).squares()
     except EngineFailure as failure:
         return str(failure)
 
 
 class _Scene:
-    """One recording in one engine, with what was found in it."""
+    """One recording in one engine, with the identified terms injected."""
 
-    def __init__(self, problem: Problem, found: Fit, record: PreparedRecording, engine: Engine) -> None:
-        self.problem, self.found, self.record = problem, found, record
-        phase = phase_of(problem, found, record, record.reading)
+    def __init__(self, problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> None:
+        self.problem, self.found, self.recording = problem, found, recording
+        phase = phase_of(problem, found, recording, recording.reading)
         declared = (*problem.declared, *found.terms.effects)
         gain = problem.sensor(found.terms.effects)[0]
         self.rig: Rig = rig_with(problem.rig, declared)
-        self.origin = record.origin / gain
+        self.origin = recording.origin / gain
         spline = found.terms.spline
         self.law = None if spline is None else _law(spline, phase, problem.rig.gravity)
         self.effects, self.phase = declared, phase
-        self.motion: BeamMotion = motion_for_engine(self.effects, record.drive, record.time)
+        self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
         self.engine = engine
         settings = engine_settings(self.effects, engine.name) or {"time_step": _ROLLING_STEP}
         self.parameters: EngineParameters = parameters_of(engine, settings)
 
     def squares(self) -> Squares:
-        """Squared errors [m²] of every window in which anything is judged, by horizon.
+        """Squared errors [m²] of every window with readings to compare, by horizon.
 
-        Windows that begin together are one run: what is known of the ball at its beginning is the same.
+        Windows that begin at the same stamp share one run, since their initial states are equal.
         """
-        record = self.record
-        time = record.time - record.time[0]
-        known = np.isfinite(record.reading)
+        recording = self.recording
+        time = recording.time - recording.time[0]
+        known = np.isfinite(recording.reading)
         spans: list[tuple[str, int, int]] = []
         for horizon, first, last in horizon_spans(time):
             judged = known & (time >= first) & (time < last)
@@ -161,19 +164,19 @@ class _Scene:
         ends = {begin: max(end for _, other, end in spans if other == begin) for _, begin, _ in spans}
         errors: dict[int, FloatArray] = {}
         for begin, end in ends.items():
-            before = np.where(np.arange(len(time)) < begin, record.reading, np.nan)
-            state = filtered(self.problem, self.found, record, before)
-            errors[begin] = self._run(state, begin, end) - record.reading[begin:end]
+            before = np.where(np.arange(len(time)) < begin, recording.reading, np.nan)
+            state = filtered(self.problem, self.found, recording, before)
+            errors[begin] = self._run(state, begin, end) - recording.reading[begin:end]
         squares = [(horizon, errors[begin][: end - begin] ** 2) for horizon, begin, end in spans]
-        return [(horizon, each[np.isfinite(each)]) for horizon, each in squares]
+        return [(horizon, values[np.isfinite(values)]) for horizon, values in squares]
 
     def _run(self, out: FilterRun, begin: int, end: int) -> FloatArray:
-        """What would be recorded of a free run from stamp `begin` up to before `end` [m]; NaN where the beam's motion
-        is not known."""
-        stamps = self.record.time[begin:end]
-        # The filter's state at t is that of t − delay, when the beam was where the ball then felt it.
+        """Sensor output of a free run over the stamps `begin` to `end` − 1 [m]; NaN where a delay would need the beam
+        motion outside the recording."""
+        stamps = self.recording.time[begin:end]
+        # With a delay, the filter's state at stamp t is that of the ball at t − delay.
         ball_time = stamps - self.sensor.delay
-        inside = (ball_time >= self.record.time[0]) & (ball_time <= self.record.time[-1])
+        inside = (ball_time >= self.recording.time[0]) & (ball_time <= self.recording.time[-1])
         at = ball_time[inside]
         first = begin + int(np.argmax(inside))
         s, v, _, lagging = out.state[first]
@@ -189,7 +192,7 @@ class _Scene:
         )
         run = self.engine.run(self.rig, self.motion, State(s, v), at, parameters=self.parameters, force=force)
         recorded = replace(self.sensor, delay=0.0).recorded(at, run.trajectory.position)
-        if out.lag > 0.0:  # the lag of a run begins settled, that of the filter where the readings before put it
+        if out.lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
             recorded = recorded + out.gain * (lagging - s) * np.exp(-(at - at[0]) / out.lag)
         result = np.full(len(stamps), np.nan)
         result[inside] = recorded
@@ -197,15 +200,15 @@ class _Scene:
 
 
 def _law(spline: SplineTerm, phase: float, gravity: float) -> Law:
-    """A curve as it is written into the kernel's vector before every step."""
-    without: dict[int, float] = {}
+    """A function that writes a spline term into the kernel's vector before every step."""
+    original: dict[int, float] = {}
 
     def law(p: FloatArray, time: float) -> None:
         if spline.depends is not Regressor.TIME:
             spline.write(p, phase)
             return
-        at = float(spline.at(np.array([time]))[0])
-        for slot, value in ((DRY_PLUS, at), (DRY_MINUS, at)) if spline.friction else ((LEVEL, at / gravity),):
-            p[slot] = without.setdefault(slot, float(p[slot])) + value
+        now = float(spline.at(np.array([time]))[0])
+        for slot, value in ((DRY_PLUS, now), (DRY_MINUS, now)) if spline.friction else ((LEVEL, now / gravity),):
+            p[slot] = original.setdefault(slot, float(p[slot])) + value
 
     return law

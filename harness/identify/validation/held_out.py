@@ -1,4 +1,4 @@
-"""Before and after: how far predictions are off without and with what was found, on data that did not find it."""
+"""Prediction errors before and after, without and with the identified terms, on recordings fitted to or held out."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
-from harness.identify.validation.whiteness import Dependence, joined, on_beam
+from harness.identify.validation.whiteness import Dependence, beam_dependence, joined
 from harness.progress import Progress, silent
 
 
 @dataclass(frozen=True)
 class Errors:
-    """RMS errors [m] by horizon ("1 s" …, "whole"), and what the innovations still know.
+    """Prediction errors and tests of the innovations.
 
     Attributes:
-        rms: by horizon.
-        whiteness: correlation of neighbouring innovations, near 0 for a right model [1].
-        ratio: RMS of innovations over the reading's noise, near 1 at the floor [1].
-        beam: how innovations go with the beam's "angle", "rate" and "acceleration" before them.
+        rms: RMS error by horizon ("1 s" …, "whole") [m].
+        whiteness: lag-1 autocorrelation of the normalised innovations, near 0 for a complete model [1].
+        ratio: RMS innovation over the standard deviation of a reading, near 1 at best [1].
+        beam: dependence of the innovations on the beam's past "angle", "rate" and "acceleration".
     """
 
     rms: Mapping[str, float]
@@ -34,62 +34,66 @@ class Errors:
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
-def errors(problem: Problem, found: Fit, records: Sequence[PreparedRecording], progress: Progress = silent) -> Errors:
-    """Prediction errors of `found` over `records`.
+def errors(
+    problem: Problem, found: Fit, recordings: Sequence[PreparedRecording], progress: Progress = silent
+) -> Errors:
+    """Prediction errors of `found` over `recordings`.
 
-    "3 s" is the RMS over all windows of 3 s, each predicted from everything known before it; "whole" is the rest of the
+    "3 s" is the RMS over all spans of 3 s, each predicted from all readings before it; "whole" is the rest of the
     recording predicted from its first two seconds.
     """
     squares: dict[str, list[FloatArray]] = {}
     white, ratios, beam = [], [], []
-    for record in records:
-        progress(f"errors of {record.name}")
-        time = record.time - record.time[0]
-        known = np.isfinite(record.reading)
+    for recording in recordings:
+        progress(f"prediction errors: {recording.name}")
+        time = recording.time - recording.time[0]
+        known = np.isfinite(recording.reading)
         for name, first, last in horizon_spans(time):
-            reading = np.where((time < first) & known, record.reading, np.nan)
+            reading = np.where((time < first) & known, recording.reading, np.nan)
             judged = known & (time >= first) & (time < last)
             if np.isfinite(reading).sum() > 5 and judged.any():
-                out = filtered(problem, found, record, reading)
-                squares.setdefault(name, []).append((out.recorded - record.reading)[judged] ** 2)
-        whole = filtered(problem, found, record, record.reading)
-        ratio = whole.innovation / np.sqrt(whole.innovation_variance)
-        z = ratio[record.judged]
+                out = filtered(problem, found, recording, reading)
+                squares.setdefault(name, []).append((out.recorded - recording.reading)[judged] ** 2)
+        one_step = filtered(problem, found, recording, recording.reading)
+        ratio = one_step.innovation / np.sqrt(one_step.innovation_variance)
+        z = ratio[recording.judged]
         white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
-        ratios.append(float(np.mean(whole.innovation[record.judged] ** 2) / problem.reading_variance))
-        beam.append(on_beam(record.time, ratio, record.judged, record.drive))
+        ratios.append(float(np.mean(one_step.innovation[recording.judged] ** 2) / problem.reading_variance))
+        beam.append(beam_dependence(recording.time, ratio, recording.judged, recording.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
     return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
 
 
 @dataclass(frozen=True)
 class BeforeAfter:
-    """Errors without and with what was found."""
+    """Errors without and with the identified terms."""
 
     before: Errors
     after: Errors
 
 
 def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> BeforeAfter:
-    """On the recordings that it was found from."""
+    """Errors on the recordings that were fitted to."""
     return BeforeAfter(
         errors(problem, base, problem.recordings, progress), errors(problem, found, problem.recordings, progress)
     )
 
 
-def on_another(problem: Problem, base: Fit, found: Fit, record: PreparedRecording, progress: Progress) -> BeforeAfter:
-    """On a recording that nothing was fitted to."""
-    return BeforeAfter(errors(problem, base, (record,), progress), errors(problem, found, (record,), progress))
+def on_another(
+    problem: Problem, base: Fit, found: Fit, recording: PreparedRecording, progress: Progress
+) -> BeforeAfter:
+    """Errors on a recording that nothing was fitted to."""
+    return BeforeAfter(errors(problem, base, (recording,), progress), errors(problem, found, (recording,), progress))
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Fits to a part of the recordings, and the recordings that they have not seen.
+    """Fits to some recordings, and the recordings with which their predictions are compared.
 
     Attributes:
-        problem: of the part that was fitted to.
-        base, found: fits to it, without and with what was found.
-        left: what was held out.
+        problem: the recordings fitted to.
+        base, found: fits to them, without and with the identified terms.
+        left: the held-out recordings.
     """
 
     problem: Problem
@@ -99,19 +103,19 @@ class HeldOut:
 
 
 def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[HeldOut, ...]:
-    """Each recording in turn, values fitted to the others; of a single one, either half of its positions."""
-    made = []
+    """Both hypotheses fitted anew without each recording in turn; for a single recording, without each half."""
+    held = []
     for fold in folds(problem):
-        progress(f"held out: {fold.title}")
-        sub = fold.problem
-        plain = fit(sub, Hypothesis(problem.unknown), process_noise=base.process_noise, known=base.values())
-        again = fit(sub, found.refined, process_noise=found.process_noise, known=found.values())
-        made.append(HeldOut(sub, plain, again, fold.left))
-    return tuple(made)
+        progress(f"fit with {fold.title} held out")
+        rest = fold.problem
+        without = fit(rest, Hypothesis(problem.unknown), process_noise=base.process_noise, known=base.values())
+        with_terms = fit(rest, found.refined, process_noise=found.process_noise, known=found.values())
+        held.append(HeldOut(rest, without, with_terms, fold.left))
+    return tuple(held)
 
 
 def on_held_out(parts: Sequence[HeldOut]) -> BeforeAfter:
-    """On recordings that the values were not fitted to."""
+    """Errors on held-out recordings, averaged over the folds."""
     return BeforeAfter(
         _mean([errors(one.problem, one.base, one.left) for one in parts]),
         _mean([errors(one.problem, one.found, one.left) for one in parts]),

@@ -1,7 +1,6 @@
-"""The trace of what is missing: the acceleration that the model leaves, and the one that the found effects give.
+"""Residual acceleration: measured minus modelled acceleration along the measured path, and that of identified terms.
 
-Both are taken along the measured path, so that they can be laid over each other: the measurement's side knows nothing
-of the effects, and the law's side nothing of what is left.
+The two are computed independently of each other, so that agreement supports the identified law.
 """
 
 from __future__ import annotations
@@ -24,16 +23,16 @@ from harness.signals.ball_state import BallEstimate
 
 
 @dataclass(frozen=True)
-class Trace:
-    """What is missing in one recording; arrays of shape (n,) at its stamps.
+class ResidualAcceleration:
+    """Residual acceleration of one recording; arrays of shape (n,) at its stamps.
 
     Attributes:
         time: stamps [s].
-        position, velocity, angle: of the measured path, s [m], ṡ [m/s], α [rad].
-        residual: acceleration beyond the model with the declared effects [m/s²].
+        position, velocity, angle: s [m], ṡ [m/s] and α [rad] of the measured path.
+        residual: measured acceleration minus that of the model with the known effects [m/s²].
         deviation: its standard deviation [m/s²].
-        law: acceleration that the found effects add along the measured path [m/s²].
-        trusted: readings that count, bool.
+        law: acceleration that the identified terms add along the measured path [m/s²].
+        trusted: False for outliers.
     """
 
     time: FloatArray
@@ -46,40 +45,40 @@ class Trace:
     trusted: NDArray[np.bool_]
 
 
-def trace(problem: Problem, found: Fit, record: PreparedRecording, ball: BallEstimate) -> Trace:
-    """The trace of what `found` adds, in one recording.
+def residual_acceleration(
+    problem: Problem, found: Fit, recording: PreparedRecording, ball: BallEstimate
+) -> ResidualAcceleration:
+    """Residual acceleration of one of the problem's recordings, and that of the terms of `found`.
 
     Args:
-        record: one of the problem's.
-        ball: the measured state in it, whose residual is against CAM alone.
+        ball: the state estimated from the readings, whose residual is relative to CAM alone.
     """
-    bare = replace(problem, declared=(), model=CAM)
-    plain = _acceleration(bare, record, ball)
-    declared = _acceleration(problem, record, ball)
-    everything = _acceleration(problem, record, ball, found.terms)
-    return Trace(
-        time=record.time,
+    cam = _acceleration(replace(problem, declared=(), model=CAM), recording, ball)
+    with_known = _acceleration(problem, recording, ball)
+    with_terms = _acceleration(problem, recording, ball, found.terms)
+    return ResidualAcceleration(
+        time=recording.time,
         position=ball.position,
         velocity=ball.velocity,
-        angle=record.drive.states[:, 0],
-        residual=ball.residual - (declared - plain),
+        angle=recording.drive.states[:, 0],
+        residual=ball.residual - (with_known - cam),
         deviation=np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0)),
-        law=everything - declared,
+        law=with_terms - with_known,
         trusted=ball.trusted,
     )
 
 
 def _acceleration(
-    problem: Problem, record: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
+    problem: Problem, recording: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
 ) -> FloatArray:
-    """What the sensor would see of the ball's acceleration when it follows the measured path, shape (n,) [m/s²]."""
-    p, table = dynamics(problem, record, added, added.phase_of(record.name))
+    """Modelled acceleration along the measured path, as recorded by the sensor, shape (n,) [m/s²]."""
+    p, table = dynamics(problem, recording, added, added.phase_of(recording.name))
     gain, lag = problem.sensor(added.effects)
-    out = np.empty(len(record.time))
-    _along(ball.position / gain, ball.velocity / gain, record.grid.steps, record.grid.marks, table, p, out)
-    # Gain and lag are linear and constant in time: they do to the acceleration what they do to the position.
+    out = np.empty(len(recording.time))
+    _along(ball.position / gain, ball.velocity / gain, recording.grid.steps, recording.grid.marks, table, p, out)
+    # The sensor is linear and time-invariant: it acts on the acceleration as on the position.
     if lag > 0.0:
-        out = SensorLaw(lag=lag).recorded(record.time, out)
+        out = SensorLaw(lag=lag).recorded(recording.time, out)
     return gain * out
 
 
@@ -93,7 +92,7 @@ def _along(
     p: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Mean s̈ of a run from every stamp to the next, put back on the path at each; what effects remember runs on."""
+    """Mean s̈ from each stamp to the next, restarted on the path at each stamp; internal states of effects continue."""
     w = 0.0
     for n in range(len(position) - 1):
         s, v, span = position[n], velocity[n], 0.0

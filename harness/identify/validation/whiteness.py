@@ -1,9 +1,8 @@
-"""Do innovations know the beam angle? A model that lacks nothing leaves none of its input in its residuals.
+"""Independence of the innovations from the beam motion: for a complete model they are independent of past inputs.
 
-Residual analysis after Ljung, "System Identification", 2nd ed., 1999, section 16.6: the sums of innovations times past
-inputs are jointly normal where there is nothing to find, and their squares, weighted by the inverse of their
-covariance, are χ². Only past inputs count: in a closed loop, where the angle answers the ball, later ones may follow
-from what the innovations were before.
+Residual analysis after Ljung, "System Identification", 2nd ed., 1999, section 16.6: under independence the sums of
+innovations times past inputs are jointly normal, and their squares, weighted by the inverse of their covariance, are
+χ². Later inputs are left out, since in closed loop they depend on earlier innovations.
 """
 
 from __future__ import annotations
@@ -19,21 +18,21 @@ from analytic.motion import BeamMotion, FloatArray
 from harness.identify.filter.ekf import SPIKE
 
 LAGS = np.linspace(0.0, 1.0, 11)
-"""By how much the beam is looked at before each innovation [s]: as finely as it turns, as long as a move takes."""
-SIGNIFICANT = 0.01  # of p: one test in a hundred then calls innovations dependent that are not
-_STANDS = 1e-12  # of its size, below which an input's changes are rounding
-_RANK = 1e-8  # of the covariance's eigenvalues, below which lags say the same
+"""Lags of the inputs before each innovation [s]: as fine as the beam moves, as long as a motion takes."""
+SIGNIFICANT = 0.01  # significance level of p
+_CONSTANT = 1e-12  # standard deviation over size of an input below which it is constant up to rounding
+_RANK = 1e-8  # relative size of the covariance's eigenvalues below which lags are linearly dependent
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """How innovations go with one input at all lags together.
+    """Test of innovations against one input at all lags jointly.
 
     Attributes:
         statistic: χ² [1].
-        freedom: its degrees of freedom; 0 where there was nothing to test.
-        correlation: the largest correlation by size, with its sign [1].
-        lag: by which the input is ahead there [s].
+        freedom: its degrees of freedom; 0 if there was nothing to test.
+        correlation: the correlation of largest size, with its sign [1].
+        lag: of the input at that correlation [s].
     """
 
     statistic: float
@@ -43,27 +42,27 @@ class Dependence:
 
     @property
     def p(self) -> float:
-        """Chance of a statistic as large where innovations and input are independent; 1 where nothing was tested."""
+        """p value of the statistic under independence; 1 if nothing was tested."""
         return float(chdtrc(self.freedom, self.statistic)) if self.freedom else 1.0
 
 
-def on_beam(
+def beam_dependence(
     time: FloatArray, ratio: FloatArray, judged: NDArray[np.bool_], motion: BeamMotion
 ) -> dict[str, Dependence]:
     """Test the innovations of one recording against α, α̇ and α̈.
 
     Args:
         time: stamps, shape (n,) [s].
-        ratio: innovations over their standard deviations, shape (n,).
-        judged: which of them count, shape (n,).
-        motion: of the beam, as measured.
+        ratio: normalised innovations, shape (n,).
+        judged: mask of those to test, shape (n,).
+        motion: the measured beam motion.
     """
     use = judged & (time - time[0] >= LAGS[-1])
-    then = time[use, None] - LAGS
+    lagged = time[use, None] - LAGS
     inputs = {
-        "angle": motion.evaluate(then),
-        "rate": motion.derivative(then),
-        "acceleration": motion.derivative(then, 2),
+        "angle": motion.evaluate(lagged),
+        "rate": motion.derivative(lagged),
+        "acceleration": motion.derivative(lagged, 2),
     }
     return {name: dependence(ratio[use], signal) for name, signal in inputs.items()}
 
@@ -71,13 +70,13 @@ def on_beam(
 def dependence(ratio: FloatArray, inputs: FloatArray) -> Dependence:
     """Test innovations against inputs.
 
-    The covariance is White's (Econometrica 48, 1980), which holds where innovations are not equally large everywhere.
+    The covariance is White's (Econometrica 48, 1980), valid for innovations of varying variance.
 
     Args:
-        ratio: innovations over their standard deviations, shape (n,); beyond four they count as four.
-        inputs: at each of `LAGS` before, shape (n, lags).
+        ratio: normalised innovations, shape (n,), clipped at ± 4.
+        inputs: the input at each of the `LAGS`, shape (n, lags).
     """
-    if len(ratio) <= 2 * len(LAGS) or np.any(np.std(inputs, axis=0) <= _STANDS * np.max(np.abs(inputs), axis=0)):
+    if len(ratio) <= 2 * len(LAGS) or np.any(np.std(inputs, axis=0) <= _CONSTANT * np.max(np.abs(inputs), axis=0)):
         return Dependence(0.0, 0, 0.0, 0.0)
     z = np.clip(ratio, -SPIKE, SPIKE)
     z = z - z.mean()
@@ -92,12 +91,12 @@ def dependence(ratio: FloatArray, inputs: FloatArray) -> Dependence:
     return Dependence(statistic, int(kept.sum()), float(correlation[most]), float(LAGS[most]))
 
 
-def joined(each: Iterable[Mapping[str, Dependence]]) -> dict[str, Dependence]:
+def joined(recordings: Iterable[Mapping[str, Dependence]]) -> dict[str, Dependence]:
     """Tests of several recordings as one: χ² of independent tests add up; the correlation is the largest of all."""
-    each = list(each)
-    return {name: _sum([one[name] for one in each]) for name in each[0]}
+    tests = list(recordings)
+    return {name: _sum([test[name] for test in tests]) for name in tests[0]}
 
 
-def _sum(each: list[Dependence]) -> Dependence:
-    most = max(each, key=lambda one: abs(one.correlation))
-    return Dependence(sum(d.statistic for d in each), sum(d.freedom for d in each), most.correlation, most.lag)
+def _sum(tests: list[Dependence]) -> Dependence:
+    most = max(tests, key=lambda test: abs(test.correlation))
+    return Dependence(sum(d.statistic for d in tests), sum(d.freedom for d in tests), most.correlation, most.lag)

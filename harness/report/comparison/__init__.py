@@ -1,4 +1,4 @@
-"""The report of `harness run`: all models and engines on one recording; one module per section."""
+"""The report of `harness run`: all models and engines on one recording; one module per concept."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from harness.comparison.study import Study
 from harness.report.comparison import (
     ablation,
-    attribution,
-    checks,
     drive,
     engines,
     friction,
     horizons,
     inputs,
     paper,
-    reproduce,
     residuals,
     result,
     scores,
@@ -26,18 +23,18 @@ from harness.tolerances import Checked
 
 SECTIONS: tuple[Callable[[Subject], Section | None], ...] = (
     result.section,
-    checks.section,
+    scores.checks,
     horizons.section,
     residuals.section,
-    attribution.section,
+    engines.attribution,
     paper.section,
     ablation.section,
     friction.section,
     drive.section,
-    scores.section,
-    engines.section,
-    inputs.section,
-    reproduce.section,
+    scores.metrics,
+    engines.health,
+    inputs.inputs,
+    inputs.reproduce,
 )
 """In the order of the page; a section that does not apply returns `None`."""
 
@@ -56,7 +53,7 @@ def render_comparison(
     subject = Subject(study, manifest, tuple(checks), command or str(manifest.get("command", "")))
     sections = [made for section in SECTIONS if (made := section(subject)) is not None]
     return render_page(
-        f"Ball and beam: {subject.case_name}, {study.setting.recording.name}",
+        f"Ball and beam: {study.setting.case.name}, {study.setting.recording.name}",
         sections,
         subtitle=subject.subtitle,
         badges=_badges(subject),

@@ -10,10 +10,9 @@ from analytic.models import Reading
 from harness.comparison.ablation import Combination
 from harness.formatting import aligned, length, number
 from harness.report.comparison.friction import READING_LABELS
-from harness.report.comparison.horizons import floor
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Table, texts
 
 _LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # RGB of smallest and largest error in the heat map
 _COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
@@ -21,23 +20,18 @@ _COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in 
 
 def section(subject: Subject) -> Section:
     """The ablation."""
-    study = subject.study
+    study, over = subject.study, subject.over(subject.study.headline)
+    differences = [(one.choice, length(one.rms), length(one.largest)) for one in study.differences]
+    context = {
+        "heat": _heat(subject),
+        "fitted": _fitted(subject),
+        "differences": Table(
+            f"Displacement of the ball by one choice, {over}", [*texts("choice"), "RMS", "largest"], differences
+        ),
+        "floor": study.floor(study.headline),
+    }
     return Section(
-        "ablation",
-        "Ablation: contribution of each model term",
-        "Ablation",
-        "comparison/ablation.html",
-        {
-            "heat": _heat(subject),
-            "fitted": _fitted(subject),
-            "differences": Table(
-                f"Displacement of the ball by one choice, {subject.over(study.headline)}",
-                [Column("choice", text=True), Column("RMS"), Column("largest")],
-                [Row((one.choice, length(one.rms), length(one.largest))) for one in study.differences],
-            ),
-            "over": subject.over(study.headline),
-            "floor": floor(subject, study.headline),
-        },
+        "ablation", "Ablation: contribution of each model term", "Ablation", "comparison/ablation.html", context
     )
 
 
@@ -47,7 +41,7 @@ def _heat(subject: Subject) -> Table:
     logs = [math.log(error) for error in errors.values() if 0.0 < error < math.inf]
     low, high = min(logs), max(max(logs), min(logs) + 1e-9)
     least = min(errors.values())
-    columns = [Column("friction, f_b fitted", text=True)]
+    columns = texts("friction, f_b fitted")
     for radius, eccentric, level in _COLUMNS:
         columns.append(Column(f"{radius}, {'with' if eccentric else 'no'} α̈", "α₀ fitted" if level else "α₀ = 0"))
     rows = []
@@ -57,7 +51,7 @@ def _heat(subject: Subject) -> Table:
             error = errors[(*column, reading)]
             share = 1.0 if not error < math.inf else (math.log(max(error, math.exp(low))) - low) / (high - low)
             cells.append(_heat_cell(number(error), share, error <= least))
-        rows.append(Row(tuple(cells)))
+        rows.append(cells)
     caption = f"RMS error in mm {subject.over(subject.study.headline)}; darker is larger, the smallest is framed"
     return Table(caption, columns, rows)
 
@@ -76,31 +70,23 @@ def _fitted(subject: Subject) -> Table:
         for reading in Reading
         for key in (("R", False, True, reading), ("r", True, True, reading))
     ]
-    columns = [
-        Column("model", text=True),
-        Column("friction", text=True),
-        Column("α₀", "deg"),
-        Column("f_b"),
-        Column("unit of f_b", text=True),
-        Column("RMS error", "mm"),
-        Column("largest", "mm"),
-        Column("E_disp", "m s"),
-    ]
     rms = aligned([1e3 * one.rms_error for one in chosen])
     largest = aligned([1e3 * one.max_error for one in chosen])
     rows = [
-        Row(
-            (
-                "CAM" if one.eccentric else "CUM",
-                READING_LABELS[one.reading],
-                f"{math.degrees(one.level_angle):+.3f}".replace("-", "−"),
-                number(one.friction_coefficient) if one.reading else "—",
-                one.reading.unit if one.reading else "",
-                r,
-                m,
-                number(one.e_disp),
-            )
+        (
+            "CAM" if one.eccentric else "CUM",
+            READING_LABELS[one.reading],
+            f"{math.degrees(one.level_angle):+.3f}".replace("-", "−"),
+            number(one.friction_coefficient) if one.reading else "—",
+            one.reading.unit if one.reading else "",
+            r,
+            m,
+            number(one.e_disp),
         )
         for one, r, m in zip(chosen, rms, largest, strict=True)
     ]
+    columns = [
+        *texts("model", "friction"), "α₀ [deg]", "f_b", *texts("unit of f_b"), "RMS error [mm]", "largest [mm]",
+        "E_disp [m s]",
+    ]  # fmt: skip
     return Table(f"Fitted α₀ and f_b {subject.over(subject.study.headline)}", columns, rows)

@@ -6,16 +6,15 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from harness.formatting import number
 from harness.numerics import rms
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.palette import INK
-from harness.report.plots import WIDTH, Picture, band, frame, picture, style, thinning
+from harness.report.palette import Look
+from harness.report.plots import Picture, band, drawing, frame, picture, signal, style, zero
 
-_COLOUR = "#0B6E63"
+_SMOOTH = Look("smooth", "#0B6E63", None, 1.2, 3)
 _PLAUSIBLE_RATIO = (0.7, 1.4)  # of residual to expected scatter; outside, the declared sensor is probably wrong
 _DETAIL_DURATION = 1.5  # of the enlarged plot [s]
 
@@ -49,52 +48,44 @@ def section(subject: Subject) -> Section:
     return Section("drive", "The drive", "Drive", "comparison/drive.html", context)
 
 
+@style()
 def _picture(subject: Subject) -> Picture:
     setting = subject.study.setting
     drive, time = setting.drive, setting.time
     recorded = np.degrees(setting.recording.angle)
-    with style():
-        figure = Figure(figsize=(WIDTH, 6.2), layout="constrained")
-        panels = figure.subplot_mosaic([["angle", "detail"], ["rate", "rate"], ["acceleration", "acceleration"]])
-        for name, title in (("angle", "beam angle"), ("detail", "detail at the largest rate")):
-            axes: Axes = panels[name]
+    figure = drawing(6.2)
+    panels = figure.subplot_mosaic([["angle", "detail"], ["rate", "rate"], ["acceleration", "acceleration"]])
+    for name, order, label in (
+        ("angle", 0, r"$\alpha$ [deg]"),
+        ("detail", 0, r"$\alpha$ [deg]"),
+        ("rate", 1, r"$\dot\alpha$ [deg/s]"),
+        ("acceleration", 2, r"$\ddot\alpha$ [deg/s²]"),
+    ):
+        axes: Axes = panels[name]
+        if order == 0:
+            size = 4.0 if name == "detail" else 2.2
             axes.plot(
-                time, recorded, ".", color="#777777", markersize=2.2, markeredgewidth=0, rasterized=True, zorder=2
+                time, recorded, ".", color="#777777", markersize=size, markeredgewidth=0, rasterized=True, zorder=2
             )
-            _curve(axes, subject, 0)
-            axes.set_title(title)
-            axes.set_ylabel(r"$\alpha$ [deg]")
-            axes.set_xlim(time[0], time[-1])
-        fastest = float(time[int(np.argmax(np.abs(drive.states[:, 1])))])
-        begin = min(max(fastest - 0.5 * _DETAIL_DURATION, time[0]), max(time[-1] - _DETAIL_DURATION, time[0]))
-        near = (time >= begin) & (time <= begin + _DETAIL_DURATION)
-        panels["detail"].set_xlim(begin, begin + _DETAIL_DURATION)
-        frame(panels["detail"], recorded[near], margin=0.08)
-        for line in panels["detail"].lines[:1]:
-            line.set_markersize(4.0)
-        for name, order, label in (
-            ("rate", 1, r"$\dot\alpha$ [deg/s]"),
-            ("acceleration", 2, r"$\ddot\alpha$ [deg/s²]"),
-        ):
-            _curve(panels[name], subject, order)
-            panels[name].axhline(0.0, color=INK, linewidth=0.6)
-            panels[name].set_xlim(time[0], time[-1])
-            panels[name].set_ylabel(label)
-        panels["acceleration"].set_xlabel("time [s]")
-        alt = (
-            "Recorded beam angle with the smooth angle, its rate and its acceleration, each with a band of two "
-            "standard deviations."
-        )
-        caption = (
-            f"Dots: {subject.measured} angle. Lines: smoothed signals that drive every source; bands: ± 2 σ. "
-            "α̇ and α̈ are derivatives of the smoothing spline, not differences of readings."
-        )
-        return picture(figure, alt, caption)
-
-
-def _curve(axes: Axes, subject: Subject, order: int) -> None:
-    drive = subject.study.setting.drive
-    thin = slice(None, None, thinning(len(drive.time)))
-    time, values, std = drive.time[thin], np.degrees(drive.states[thin, order]), np.degrees(drive.std[thin, order])
-    band(axes, time, values - 2.0 * std, values + 2.0 * std)
-    axes.plot(time, values, color=_COLOUR, linewidth=1.2, zorder=3)
+        else:
+            zero(axes)
+        values, std = np.degrees(drive.states[:, order]), np.degrees(drive.std[:, order])
+        band(axes, drive.time, values - 2.0 * std, values + 2.0 * std)
+        signal(axes, drive.time, values, _SMOOTH)
+        axes.set_ylabel(label)
+        axes.set_xlim(time[0], time[-1])
+    panels["angle"].set_title("beam angle")
+    panels["detail"].set_title("detail at the largest rate")
+    fastest = float(time[int(np.argmax(np.abs(drive.states[:, 1])))])
+    begin = min(max(fastest - 0.5 * _DETAIL_DURATION, time[0]), max(time[-1] - _DETAIL_DURATION, time[0]))
+    near = (time >= begin) & (time <= begin + _DETAIL_DURATION)
+    panels["detail"].set_xlim(begin, begin + _DETAIL_DURATION)
+    frame(panels["detail"], recorded[near], margin=0.08)
+    panels["acceleration"].set_xlabel("time [s]")
+    return picture(
+        figure,
+        "Recorded beam angle with the smooth angle, its rate and its acceleration, each with a band of two "
+        "standard deviations.",
+        f"Dots: {subject.measured} angle. Lines: smoothed signals that drive every source; bands: ± 2 σ. "
+        "α̇ and α̈ are derivatives of the smoothing spline, not differences of readings.",
+    )

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from analytic.models import FRICTION, Reading
 from analytic.rig import Rig
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section, typeset
 from harness.report.palette import INK, look_of, swatch
-from harness.report.plots import WIDTH, Picture, line, picture, sample, style
-from harness.report.tables import Column, Row, Table
+from harness.report.plots import Picture, drawing, line, picture, sample, style, zero
+from harness.report.tables import Table, texts
 
 READING_LABELS = {
     Reading.NONE: "none",
@@ -44,72 +42,55 @@ def force(reading: Reading, rig: Rig, velocity: np.ndarray) -> np.ndarray:
 
 def section(subject: Subject) -> Section:
     """The readings of eq. 15."""
-    columns = [
-        Column("reading", text=True),
-        Column("law", text=True),
-        Column("required unit of f_b", text=True),
-        Column("consistent with N s/m", text=True),
-        Column("dissipates", text=True),
-        Column("remark", text=True),
-    ]
-    words = {
+    remarks = {
         Reading.PRINTED: "tanh(ṡ/v_t)·ṡ is even: for ṡ < 0 the force accelerates the ball",
         Reading.PRINTED_DISSIPATIVE: "dissipative in both directions; grows with speed like a viscous force",
         Reading.COULOMB: "dry friction, smoothed near rest; does not hold a ball at rest",
         Reading.VISCOUS: "the only reading consistent with the printed unit",
     }
     rows = [
-        Row(
-            (
-                swatch(FRICTION[reading].name),
-                Markup('<span class="nowrap">{}</span>').format(typeset(law)),
-                reading.unit,
-                "yes" if reading.consistent_with_print else "no",
-                "yes" if reading.dissipates else "no",
-                words[reading],
-            )
+        (
+            swatch(FRICTION[reading].name),
+            Markup('<span class="nowrap">{}</span>').format(typeset(law)),
+            reading.unit,
+            "yes" if reading.consistent_with_print else "no",
+            "yes" if reading.dissipates else "no",
+            remarks[reading],
         )
         for reading, law in _LAWS.items()
     ]
     table = Table(
-        "Four readings of eq. 15, F_f = f_b · tanh(ṡ/v_t) · m g cos α · ṡ, with f_b printed in N s/m", columns, rows
+        "Four readings of eq. 15, F_f = f_b · tanh(ṡ/v_t) · m g cos α · ṡ, with f_b printed in N s/m",
+        texts("reading", "law", "required unit of f_b", "consistent with N s/m", "dissipates", "remark"),
+        rows,
     )
-    return Section(
-        "friction",
-        "Readings of the friction law",
-        "Friction",
-        "comparison/friction.html",
-        {"table": table, "picture": _picture(subject)},
-    )
+    context = {"table": table, "picture": _picture(subject)}
+    return Section("friction", "Readings of the friction law", "Friction", "comparison/friction.html", context)
 
 
+@style()
 def _picture(subject: Subject) -> Picture:
     rig, ball = subject.study.setting.rig, subject.study.setting.ball
     fastest = max(float(np.nanmax(np.abs(ball.velocity))), 2.0 * rig.transition_velocity)
     velocity = np.linspace(-fastest, fastest, 801)
-    with style():
-        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        entries: list[Line2D] = []
-        for reading, model in FRICTION.items():
-            look = look_of(model.name)
-            resistance = 1e3 * force(reading, rig, velocity)
-            line(left, velocity, -resistance, look)
-            line(right, velocity, -resistance * velocity, look)
-            entries.append(sample(look, READING_LABELS[reading]))
-        for axes, name in ((left, "force on the ball [mN]"), (right, "power into the ball [mW]")):
-            axes.axhline(0.0, color=INK, linewidth=0.8)
-            axes.axvline(0.0, color=INK, linewidth=0.8)
-            axes.set_xlim(-fastest, fastest)
-            axes.set_xlabel(r"velocity $\dot s$ [m/s]")
-            axes.set_ylabel(name)
-        figure.legend(handles=entries, loc="outside right upper", handlelength=2.6)
-        alt = (
-            "Friction force and its power against velocity for the four readings; only as printed is the power "
-            "ever positive."
-        )
-        caption = (
-            "Force and power of each reading with this run's f_b and v_t, on a level beam, over the speeds of "
-            "this recording. Positive power adds energy."
-        )
-        return picture(figure, alt, caption)
+    figure = drawing(2.9)
+    left, right = figure.subplots(1, 2)
+    entries = []
+    for reading, model in FRICTION.items():
+        look = look_of(model.name)
+        resistance = 1e3 * force(reading, rig, velocity)
+        line(left, velocity, -resistance, look)
+        line(right, velocity, -resistance * velocity, look)
+        entries.append(sample(look, READING_LABELS[reading]))
+    for axes, name in ((left, "force on the ball [mN]"), (right, "power into the ball [mW]")):
+        zero(axes)
+        axes.axvline(0.0, color=INK, linewidth=0.8)
+        axes.set(xlim=(-fastest, fastest), xlabel=r"velocity $\dot s$ [m/s]", ylabel=name)
+    figure.legend(handles=entries, loc="outside right upper", handlelength=2.6)
+    return picture(
+        figure,
+        "Friction force and its power against velocity for the four readings; only as printed is the power "
+        "ever positive.",
+        "Force and power of each reading with this run's f_b and v_t, on a level beam, over the speeds of "
+        "this recording. Positive power adds energy.",
+    )

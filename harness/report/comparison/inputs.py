@@ -1,14 +1,15 @@
-"""Section on the inputs: rig (given, estimated, assumed), sensors, declared effects, findings."""
+"""Sections on the inputs (rig, sensors, declared effects, findings) and on how to reproduce the report."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from harness.formatting import length, number, plus_minus
+from harness.formatting import NONE, brief, length, number, plus_minus
 from harness.preparation.rig_estimate import Estimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Table, texts
 
 _QUANTITIES = {  # field of Rig: name, unit as printed, factor to it
     "mass": ("m, ball mass", "kg", 1.0),
@@ -30,45 +31,34 @@ _ESTIMATED = {  # beginning of an estimate's name: field of Rig
 }
 
 
-def section(subject: Subject) -> Section:
+def inputs(subject: Subject) -> Section:
     """The inputs."""
     setting = subject.study.setting
-    return Section(
-        "inputs",
-        "Inputs",
-        "Inputs",
-        "comparison/inputs.html",
-        {
-            "rig": _rig(subject),
-            "sensors": _sensors(subject),
-            "start": setting.start,
-            "start_how": _start_how(subject),
-            "declared": [(one.name, list(one.parameters.items())) for one in setting.case.declared],
-            "findings": setting.case.findings,
-            "origin": setting.case.origin,
-        },
-    )
+    context = {
+        "rig": _rig(subject),
+        "sensors": _sensors(subject),
+        "start": setting.start,
+        "start_how": _start_how(subject),
+        "declared": [(one.name, list(one.parameters.items())) for one in setting.case.declared],
+        "findings": setting.case.findings,
+        "origin": setting.case.origin,
+    }
+    return Section("inputs", "Inputs", "Inputs", "comparison/inputs.html", context)
 
 
 def _rig(subject: Subject) -> Table:
     setting = subject.study.setting
     estimates = {_field(one): one for one in setting.estimates}
-    columns = [
-        Column("quantity", text=True),
-        Column("value"),
-        Column("unit", text=True),
-        Column("status", text=True),
-        Column("how", text=True),
-    ]
     rows = []
     ratio = estimates.get("")
     if ratio is not None:
-        rows.append(Row((ratio.name, plus_minus(ratio.value, ratio.std), "", "estimated", ratio.how)))
+        rows.append((ratio.name, plus_minus(ratio.value, ratio.std), "", "estimated", ratio.how))
     for name, (title, unit, factor) in _QUANTITIES.items():
         value = getattr(setting.rig, name) * factor
         estimate = estimates.get(name)
         text = number(value, 4) if estimate is None else plus_minus(value, estimate.std * factor)
-        rows.append(Row((title, text, unit, *_status(subject, name, estimate))))
+        rows.append((title, text, unit, *_status(subject, name, estimate)))
+    columns = [*texts("quantity"), "value", *texts("unit", "status", "how")]
     return Table("Rig used by every source", columns, rows)
 
 
@@ -97,24 +87,17 @@ def _status(subject: Subject, name: str, estimate: Estimate | None) -> tuple[str
 def _sensors(subject: Subject) -> Table:
     setting = subject.study.setting
     declared, drive, ball = setting.case.sensors, setting.drive.sensor, setting.ball
-    columns = [Column("sensor", text=True), Column("value"), Column("status", text=True)]
     step = "given" if declared.angle_resolution else "inferred from the readings"
+    degrees = number(math.degrees(drive.resolution)) + "°" if drive.resolution else "continuous"
+    noise = f"{number(math.degrees(drive.noise), 2)}°"
     rows = [
-        Row(
-            (
-                "angle, resolution",
-                f"{number(math.degrees(drive.resolution))}°" if drive.resolution else "continuous",
-                step,
-            )
-        ),
-        Row(
-            ("angle, noise σ", f"{number(math.degrees(drive.noise), 2)}°", "estimated" if drive.estimated else "given")
-        ),
-        Row(("position, noise σ", length(ball.noise, 2), "estimated" if ball.noise_estimated else "given")),
+        ("angle, resolution", degrees, step),
+        ("angle, noise σ", noise, "estimated" if drive.estimated else "given"),
+        ("position, noise σ", length(ball.noise, 2), "estimated" if ball.noise_estimated else "given"),
     ]
     if declared.position_resolution:
-        rows.append(Row(("position, resolution", length(declared.position_resolution), "given")))
-    return Table("Sensor models", columns, rows)
+        rows.append(("position, resolution", length(declared.position_resolution), "given"))
+    return Table("Sensor models", [*texts("sensor"), "value", *texts("status")], rows)
 
 
 def _start_how(subject: Subject) -> str:
@@ -124,3 +107,31 @@ def _start_how(subject: Subject) -> str:
     first = int(subject.whole.first[0])
     std = [math.sqrt(max(float(value), 0.0)) for value in setting.ball.state_covariance(first).diagonal()]
     return f"estimated: ± {length(std[0], 2)} and ± {number(1e3 * std[1], 2)} mm/s"
+
+
+def reproduce(subject: Subject) -> Section:
+    """The command, and the manifest's hashes, versions and seed."""
+    # Of the settings, rig and estimates are under Inputs, parameters under Engines.
+    shown = {key: value for key, value in subject.manifest.items() if key != "settings"}
+    context = {"command": subject.command, "entries": flat(shown)}
+    return Section("reproduce", "How to reproduce this report", "Reproduce", "comparison/reproduce.html", context)
+
+
+def flat(manifest: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
+    """Flattens a nested mapping to dotted names such as `versions.numpy` and values as text."""
+    entries: list[tuple[str, str]] = []
+    for key, value in manifest.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping):
+            entries += flat(value, f"{name}.")
+        else:
+            entries.append((name, _text(value)))
+    return entries
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_text, value)) or NONE
+    if value is None:
+        return NONE
+    return brief(value, 6) if isinstance(value, float) else str(value)

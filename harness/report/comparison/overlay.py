@@ -11,65 +11,57 @@ from matplotlib.patches import Patch
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.formatting import number
+from harness.report import plots
 from harness.report.comparison.subject import Subject
 from harness.report.palette import MEASURED_COLOUR, UNCERTAINTY_COLOUR, look_of
-from harness.report.plots import (
-    WIDTH,
-    Picture,
-    band,
-    frame,
-    joined,
-    label_exits,
-    line,
-    mark_exits,
-    measured_line,
-    picture,
-    sample,
-    style,
-)
 from harness.report.standing import Standing, standings
 
-Exit = tuple[float, bool]
-"""Time at which a line leaves the frame [s], and whether upwards."""
 
-
-def overlay(subject: Subject, horizon: Horizon) -> Picture:
+@plots.style()
+def overlay(subject: Subject, horizon: Horizon) -> plots.Picture:
     """Positions of all sources on one horizon as an image of the page."""
-    figure = drawn(subject, horizon)
     shown = "whole free run" if horizon.seconds is None else f"windows of {horizon.seconds:g} s"
-    with style():
-        return picture(figure, _alt(subject, _ranked(subject, horizon), shown), _caption(subject, horizon))
+    best = ", ".join(f"{look_of(one.source).label} {number(1e3 * one.rms)} mm" for one in _ranked(subject, horizon))
+    dots = "" if horizon.seconds is None else "Dots: restarts from the estimated state. "
+    return plots.picture(
+        drawn(subject, horizon),
+        f"Ball position over time, {shown}: {subject.measured} and all sources. RMS errors: {best}.",
+        f"{subject.measured.capitalize()} ball position (black) and every source {subject.over(horizon)}, closest "
+        f"first. {dots}Grey: ± 2 u_val, the expected error of a perfect model. Triangles: a source leaves the frame.",
+    )
 
 
 def _ranked(subject: Subject, horizon: Horizon) -> list[Standing]:
     return subject.ranked if horizon is subject.study.headline else standings(subject.study, horizon)
 
 
+@plots.style()
 def drawn(subject: Subject, horizon: Horizon) -> Figure:
     """Positions of all sources on one horizon, framed by the recording's own range."""
-    with style():
-        figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
-        axes = figure.add_subplot()
-        recorded = _draw_recording(subject, horizon, axes)
-        frame(axes, recorded)
-        entries = [
-            Line2D([], [], color=MEASURED_COLOUR, linewidth=1.7, label=subject.measured),
-            Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0, label=r"± 2 $u_\mathrm{val}$"),
-        ]
-        axes.set_xlim(subject.study.setting.time[horizon.first[0]], subject.study.setting.time[horizon.last[-1]])
-        exits = []
-        for one in _ranked(subject, horizon):
-            entry, left = _draw(subject, horizon, axes, one)
-            entries.append(entry)
-            exits += [] if left is None else [left]
-        if horizon.seconds is None:
-            label_exits(axes, exits)
-        axes.set_xlabel("time [s]")
-        axes.set_ylabel("ball position $s$ [m]")
-        legend = figure.legend(
-            handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6
-        )
-        legend.get_title().set_fontsize(8.5)
+    figure = plots.drawing(3.7)
+    axes = figure.add_subplot()
+    time, slices = subject.study.setting.time, horizon.slices()
+    plots.frame(axes, _draw_recording(subject, horizon, axes))
+    entries = [
+        Line2D([], [], color=MEASURED_COLOUR, linewidth=1.7, label=subject.measured),
+        Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0, label=r"± 2 $u_\mathrm{val}$"),
+    ]
+    plots.over_time(axes, time[horizon.first[0]], time[horizon.last[-1]])
+    exits = []
+    for one in _ranked(subject, horizon):
+        look, run = look_of(one.source), subject.study.run_of(one.source, horizon)
+        run_time, values = plots.joined(time, run.position, slices)
+        plots.line(axes, run_time, values, look)
+        left = plots.mark_exits(axes, run_time, values, look)
+        exits += [] if left is None else [left]
+        entries.append(plots.sample(look, f"{look.label}  {'failed' if run.failures else number(1e3 * one.rms)}"))
+    if horizon.seconds is None:
+        plots.label_exits(axes, exits)
+    axes.set_ylabel("ball position $s$ [m]")
+    legend = figure.legend(
+        handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6
+    )
+    legend.get_title().set_fontsize(8.5)
     return figure
 
 
@@ -80,39 +72,15 @@ def _draw_recording(subject: Subject, horizon: Horizon, axes: Axes) -> FloatArra
     position = np.where(setting.ball.trusted, setting.recording.position, np.nan)
     slices = horizon.slices()
     span = slice(slices[0].start, slices[-1].stop)
-    drawn = subject.drawn[span]
-    measured_line(axes, setting.time[span][drawn], position[span][drawn])
-    time, u = joined(setting.time, u_val, slices)
-    _, centre = joined(setting.time, np.broadcast_to(setting.ball.position, u_val.shape), slices)
-    band(axes, time, centre - 2.0 * u, centre + 2.0 * u)
+    shown = subject.drawn[span]
+    # Above the band and below the engines' dashed lines.
+    axes.plot(setting.time[span][shown], position[span][shown], color=MEASURED_COLOUR, linewidth=1.4, zorder=4)
+    time, u = plots.joined(setting.time, u_val, slices)
+    _, centre = plots.joined(setting.time, np.broadcast_to(setting.ball.position, u_val.shape), slices)
+    plots.band(axes, time, centre - 2.0 * u, centre + 2.0 * u)
     if horizon.seconds is not None:
         first = horizon.first
         axes.plot(
             setting.time[first], setting.ball.position[first], "o", color=MEASURED_COLOUR, markersize=3.2, zorder=8
         )
     return position[span]
-
-
-def _draw(subject: Subject, horizon: Horizon, axes: Axes, standing: Standing) -> tuple[Line2D, Exit | None]:
-    look = look_of(standing.source)
-    run = subject.study.run_of(standing.source, horizon)
-    time, values = joined(subject.study.setting.time, run.position, horizon.slices())
-    line(axes, time, values, look)
-    left = mark_exits(axes, time, values, look)
-    text = "failed" if run.failures else number(1e3 * standing.rms)
-    return sample(look, f"{look.label}  {text}"), left
-
-
-def _alt(subject: Subject, ranked: list[Standing], shown: str) -> str:
-    best = ", ".join(f"{look_of(one.source).label} {number(1e3 * one.rms)} mm" for one in ranked)
-    return f"Ball position over time, {shown}: {subject.measured} and all sources. RMS errors: {best}."
-
-
-def _caption(subject: Subject, horizon: Horizon) -> str:
-    text = (
-        f"{subject.measured.capitalize()} ball position (black) and every source {subject.over(horizon)}, closest "
-        "first. "
-    )
-    if horizon.seconds is not None:
-        text += "Dots: restarts from the estimated state. "
-    return text + ("Grey: ± 2 u_val, the expected error of a perfect model. Triangles: a source leaves the frame.")

@@ -9,7 +9,7 @@ from harness.formatting import fixed, number
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import label_of
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Table, texts
 
 _INDICATORS = {
     "max_error_m": ("max displacement error", "m"),
@@ -24,34 +24,24 @@ def section(subject: Subject) -> Section:
     """The section."""
     study = subject.study
     horizons = [subject.whole] if study.headline is subject.whole else [subject.whole, study.headline]
-    return Section(
-        "paper",
-        "The paper's claims on this recording",
-        "Paper",
-        "comparison/paper.html",
-        {
-            "claims": [(one, _KIND[one.verdict]) for one in study.claims],
-            "over": subject.over(study.headline),
-            "tables": [_table(subject, one) for one in horizons],
-            "simulated": subject.simulated,
-        },
-    )
+    context = {
+        "claims": [(one, _KIND[one.verdict]) for one in study.claims],
+        "over": subject.over(study.headline),
+        "tables": [_table(subject, one) for one in horizons],
+        "simulated": subject.simulated,
+    }
+    return Section("paper", "The paper's claims on this recording", "Paper", "comparison/paper.html", context)
 
 
 def _table(subject: Subject, horizon: Horizon) -> Table:
     models = ["cum", "cam", *(model.name for model in FRICTION.values())]
-    columns = [Column("indicator", text=True)]
-    columns += [Column(f"{name}", "paper") for name in ("CUM", "CAM", "friction")]
+    columns = texts("indicator")
+    columns += [Column(name, "paper") for name in ("CUM", "CAM", "friction")]
     columns += [Column(label_of(name), "here", apart=name == models[0]) for name in models]
     scores = [subject.study.score_of(name, horizon) for name in models]
     rows = []
     for key, (title, unit) in _INDICATORS.items():
-        printed = [_as_printed(value) for value in TABLE_2[key].values()]
-        here = [number(getattr(score, key)) for score in scores]
-        rows.append(Row((f"{title} [{unit}]", *printed, *here)))
+        printed = [fixed(value, 4 if round(value, 3) != value else 3) for value in TABLE_2[key].values()]
+        rows.append((f"{title} [{unit}]", *printed, *(number(getattr(score, key)) for score in scores)))
     kind = "simulated recording" if subject.simulated else "recording"
     return Table(f"Table 2 of the paper and this {kind}, {subject.over(horizon)}", columns, rows)
-
-
-def _as_printed(value: float) -> str:
-    return fixed(value, 4 if round(value, 3) != value else 3)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
-from harness.errors import EngineFailure
 from harness.formatting import aligned, brief, fixed, plus_minus
 from harness.metrics import Score
 from harness.recording.findings import DataFinding
@@ -15,29 +13,25 @@ from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.palette import swatch
 from harness.report.standing import Standing
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Row, Table, texts
 
 
 def section(subject: Subject) -> Section:
     """The answer."""
     study = subject.study
     warnings, others = _warnings(subject)
-    return Section(
-        "answer",
-        "Which model to trust",
-        "Answer",
-        "comparison/result.html",
-        {
-            "sentences": answer(study),
-            "failures": [str(failure) for failure in _first_of_each(study.failures)],
-            "failed_runs": len(study.failures),
-            "warnings": warnings,
-            "other_warnings": others,
-            "picture": overlay(subject, study.headline),
-            "table": _table(subject),
-            "caveats": _caveats(subject),
-        },
-    )
+    failed_first = {failure.engine: str(failure) for failure in reversed(study.failures)}
+    context = {
+        "sentences": answer(study),
+        "failures": list(failed_first.values())[::-1],
+        "failed_runs": len(study.failures),
+        "warnings": warnings,
+        "other_warnings": others,
+        "picture": overlay(subject, study.headline),
+        "table": _table(subject),
+        "caveats": _caveats(subject),
+    }
+    return Section("answer", "Which model to trust", "Answer", "comparison/result.html", context)
 
 
 def _warnings(subject: Subject) -> tuple[list[DataFinding], int]:
@@ -54,21 +48,17 @@ def _table(subject: Subject) -> Table:
     scores = [study.score_of(one.source, headline) for one in subject.ranked]
     tube = f"{1e3 * scores[0].tolerance_m:g}"
     columns = [
-        Column("source", text=True),
+        *texts("source"),
         Column("RMS error", "mm", hint="RMS of e_s = model − recording, ± standard error over the windows"),
         Column("largest", "mm", hint="largest |e_s|"),
         Column("at the end", "mm", hint="median over the runs of |e_s| at their end"),
-        Column(
-            "fit",
-            "%",
-            hint="100 (1 − ‖e_s‖/‖s − mean s‖): 100 is perfect, below 0 worse than a constant",
-        ),
-        Column("largest velocity error", "mm/s"),
+        Column("fit", "%", hint="100 (1 − ‖e_s‖/‖s − mean s‖): 100 is perfect, below 0 worse than a constant"),
+        "largest velocity error [mm/s]",
         Column("late by", "ms", hint="shift of highest correlation"),
-        Column(f"outside ± {tube} mm", "%"),
+        f"outside ± {tube} mm [%]",
         Column("E/u_val", hint="RMS of error over validation uncertainty (ASME V&V 20), about 1 for a perfect model"),
         Column("ISO 18571", hint="overall rating of ISO/TS 18571:2014, 1 is perfect"),
-        Column("compared with the closest", text=True),
+        *texts("compared with the closest"),
     ]
     numbers = zip(
         _errors(scores),
@@ -127,8 +117,3 @@ def _caveats(subject: Subject) -> list[str]:
         "fitted to another rig; for the best fit of each reading see Ablation."
     )
     return said
-
-
-def _first_of_each(failures: Sequence[EngineFailure]) -> list[EngineFailure]:
-    """The first failure of each engine."""
-    return list({failure.engine: failure for failure in reversed(failures)}.values())[::-1]

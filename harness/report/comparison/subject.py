@@ -13,7 +13,7 @@ from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
 from harness.formatting import brief
-from harness.report.answer import horizon_text, is_simulated
+from harness.report.answer import horizon_text
 from harness.report.standing import Standing, standings
 from harness.tolerances import Checked
 
@@ -34,10 +34,10 @@ class Subject:
     checks: tuple[Checked, ...]
     command: str
 
-    @cached_property
+    @property
     def simulated(self) -> bool:
         """Whether the recording is simulated, not measured."""
-        return is_simulated(self.study)
+        return self.study.setting.case.simulated
 
     @property
     def measured(self) -> str:
@@ -66,12 +66,6 @@ class Subject:
         return float(time[-1] - time[self.whole.first[0]])
 
     @property
-    def case_name(self) -> str:
-        """Name of the case for headings."""
-        path = self.study.setting.case.path.resolve()
-        return path.parent.name if path.name == "rig.toml" else path.stem
-
-    @property
     def subtitle(self) -> str:
         """Recording, length, samples, origin."""
         setting = self.study.setting
@@ -87,9 +81,7 @@ class Subject:
     @cached_property
     def drawn(self) -> NDArray[np.bool_]:
         """Stamps drawn in lines of the recording, shape (n,): all but outliers; unknown positions are gaps."""
-        setting = self.study.setting
-        passed: NDArray[np.bool_] = setting.ball.trusted | ~setting.recording.known
-        return passed
+        return self.study.setting.ball.trusted | ~self.study.setting.recording.known
 
     def over(self, horizon: Horizon) -> str:
         """`over windows of 5 s`, `over the whole 16 s`."""

@@ -16,7 +16,6 @@ from harness.report.diagnosis import (
     inputs,
     ledger,
     residual_acceleration,
-    rivals,
     spline_term,
     verdict,
 )
@@ -29,9 +28,9 @@ SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
     spline_term.section,
     errors.section,
     baselines.section,
-    rivals.section,
+    ledger.rivals,
     experiment.section,
-    ledger.section,
+    ledger.ledger,
     inputs.section,
 )
 """In the order of the page; a section that does not apply returns `None`."""
@@ -53,8 +52,8 @@ def render_diagnosis(
     account = Account(diagnosis, record, case, command, replay)
     made = side_by_side([partial(section, account) for section in SECTIONS], jobs)
     return render_page(
-        f"Ball and beam: diagnosis of {account.case_name}",
+        f"Ball and beam: diagnosis of {case.name}",
         [section for section in made if section is not None],
         subtitle=account.subtitle,
-        badges=[Badge("simulated data", "warning")] if account.simulated else [],
+        badges=[Badge("simulated data", "warning")] if case.simulated else [],
     )

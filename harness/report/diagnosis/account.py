@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from harness.comparison.setting import ball_of
 from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.record import DiagnosisRecord
-from harness.identify.validation.residual_acceleration import Trace, trace
+from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
+from harness.preparation.recordings import observe
 from harness.recording import Case
 from harness.report.palette import Look
 from harness.signals.ball_state import BallEstimate
@@ -38,28 +38,17 @@ class Account:
     replay: str = ""
 
     @property
-    def simulated(self) -> bool:
-        """Whether the recordings are simulated, not measured."""
-        return (self.case.origin or "").lower().startswith("simulated")
-
-    @property
     def measured(self) -> str:
         """Legend label of the recordings."""
-        return "simulated recording" if self.simulated else "recorded"
-
-    @property
-    def case_name(self) -> str:
-        """Name of the case for headings."""
-        path = self.case.path.resolve()
-        return path.parent.name if path.name == "rig.toml" else path.stem
+        return "simulated recording" if self.case.simulated else "recorded"
 
     @property
     def subtitle(self) -> str:
         """Recordings, readings, origin."""
         records = self.diagnosis.problem.recordings
         spans = ", ".join(f"{one.name} ({brief(float(one.time[-1] - one.time[0]))} s)" for one in records)
-        parts = [spans, f"{self.diagnosis.problem.readings} positions"]
-        return "; ".join([*parts, f"origin: {self.case.origin}"] if self.case.origin else parts)
+        origin = [f"origin: {self.case.origin}"] if self.case.origin else []
+        return "; ".join([spans, f"{self.diagnosis.problem.readings} positions", *origin])
 
     @property
     def changed(self) -> bool:
@@ -72,14 +61,14 @@ class Account:
         return self.diagnosis.problem.recordings[0]
 
     @cached_property
-    def traces(self) -> tuple[Trace, ...]:
+    def residual_accelerations(self) -> tuple[ResidualAcceleration, ...]:
         """The residual acceleration of each recording."""
         problem, found = self.diagnosis.problem, self.diagnosis.found
-        return tuple(trace(problem, found, one, self.ball(one)) for one in problem.recordings)
+        return tuple(residual_acceleration(problem, found, one, self.ball(one)) for one in problem.recordings)
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
-        return ball_of(self.case, self.case.recordings[record.name], record.drive, self.diagnosis.problem.rig)
+        return observe(self.case.recordings[record.name], self.case.sensors, self.diagnosis.problem.rig).ball
 
     @cached_property
     def force(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from harness.formatting import NONE, brief, length
@@ -14,10 +16,9 @@ from harness.identify.validation.baseline_comparison import (
     INTEGRATOR,
     BaselineComparison,
 )
-from harness.metrics.paired import Margin
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Row, Table, texts
 
 _TITLES = {
     BEFORE: MODEL.label,
@@ -45,38 +46,36 @@ def section(account: Account) -> Section | None:
 
 def _answer(compared: BaselineComparison) -> str:
     """Whether both are beaten, in words."""
-    margins = {name: compared.margin(name) for name in BASELINES}
-    if any(margin is None for margin in margins.values()):
+    margins = {name: margin for name in BASELINES if (margin := compared.margin(name)) is not None}
+    if len(margins) < len(BASELINES):
         return "There are too few windows for a comparison."
-    sure = [name for name, margin in margins.items() if margin is not None and margin.sure]
-    ahead = [name for name, margin in margins.items() if margin is not None and margin.value > 0.0]
+    sure = [name for name, margin in margins.items() if margin.sure]
+    ahead = [name for name, margin in margins.items() if margin.value > 0.0]
     if len(sure) == len(BASELINES):
         return "The model predicts better than both baselines, beyond what the choice of windows may do."
     if len(ahead) == len(BASELINES):
-        unsure = " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in sure)
+        unsure = _all_but(sure)
         return f"The model predicts better than both baselines, but so few windows do not make it sure of the {unsure}."
-    behind = " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in ahead)
-    return f"The model predicts no better than the {behind}: what acts on this rig is not described by it."
+    return f"The model predicts no better than the {_all_but(ahead)}: what acts on this rig is not described by it."
+
+
+def _all_but(names: Sequence[str]) -> str:
+    """The baselines that are not among `names`."""
+    return " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in names)
 
 
 def _table(compared: BaselineComparison) -> Table:
-    columns = [
-        Column("model", text=True),
-        Column("RMS error"),
-        Column("median of windows"),
-        Column("improvement with the effects found"),
-        Column("95 % interval"),
-        Column("windows with smaller error"),
-    ]
     rows = []
     for name, errors in compared.errors.items():
         margin = compared.margin(name) if name in BASELINES else None
-        judged = (length(margin.value), _interval(margin)) if margin else (NONE, NONE)
+        judged = (NONE, NONE)
+        if margin is not None:
+            judged = length(margin.value), f"{length(margin.low)} … {length(margin.high)}"
         won = f"{compared.won(name)} of {compared.windows}" if name in BASELINES else NONE
         row = (_TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
         rows.append(Row(row, "best" if name == min(compared.errors, key=compared.rms) else ""))
+    columns = [
+        *texts("model"), "RMS error", "median of windows", "improvement with the effects found", "95 % interval",
+        "windows with smaller error",
+    ]  # fmt: skip
     return Table("Held-out predictions", columns, rows)
-
-
-def _interval(margin: Margin) -> str:
-    return f"{length(margin.low)} … {length(margin.high)}"

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from harness.formatting import NONE, brief, fixed, number
 from harness.identify.problem.windows import KNOWN
@@ -16,8 +15,8 @@ from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
-from harness.report.plots import WIDTH, Picture, picture, plain_log, style
-from harness.report.tables import Column, Row, Table
+from harness.report.plots import Picture, drawing, picture, plain_log, style
+from harness.report.tables import Column, Table, texts
 from harness.report.wording import error_size, words
 
 _ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
@@ -69,16 +68,13 @@ def _table(account: Account, caption: str, cam: BeforeAfter, engines: Engines) -
     sources: list[Mapping[str, Mapping[str, float]]] = [{"before": cam.before.rms, "after": cam.after.rms}]
     sources += [{when: one[when]["rms_m"] for when in ("before", "after")} for one in engines.values()]
     names = ["CAM", *(_ENGINES.get(one, one) for one in engines)]
-    columns = [Column("RMS error over", text=True), *_heads(account, names)]
+    columns = [*texts("RMS error over"), *_heads(account, names)]
     rows = []
     for horizon in dict.fromkeys(name for one in (cam.before, cam.after) for name in one.rms):
         cells = [each[when].get(horizon) for each in sources for when in _whens(account)]
-        rows.append(Row((_title(horizon), *(NONE if cell is None else error_size(cell) for cell in cells))))
+        title = f"rest after the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
+        rows.append((title, *(NONE if cell is None else error_size(cell) for cell in cells)))
     return Table(caption, columns, rows)
-
-
-def _title(horizon: str) -> str:
-    return f"rest after the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
 
 
 def _failures(account: Account) -> list[str]:
@@ -94,17 +90,16 @@ def _innovations(account: Account) -> Table:
     diagnosis = account.diagnosis
     named = {"held out": diagnosis.heldout, "identification": diagnosis.identify}
     named |= {f"also {Path(name).name}": one.errors for name, one in diagnosis.also.items()}
-    columns = [Column("innovations", text=True), *_heads(account, named)]
+    columns = [*texts("innovations"), *_heads(account, named)]
     each: list[Errors] = [getattr(one, when) for one in named.values() for when in _whens(account)]
     rows = [
-        Row(("RMS over the reading noise", *(number(one.ratio) for one in each))),
-        Row(("autocorrelation at lag 1", *(fixed(one.whiteness, 3) for one in each))),
+        ("RMS over the reading noise", *(number(one.ratio) for one in each)),
+        ("autocorrelation at lag 1", *(fixed(one.whiteness, 3) for one in each)),
     ]
     for key, symbol in _INPUTS.items():
         tests = [one.beam.get(key) for one in each]
-        rows.append(
-            Row((f"independent of {symbol}: p", *(NONE if t is None or not t.freedom else _chance(t.p) for t in tests)))
-        )
+        chances = [NONE if one is None or not one.freedom else _chance(one.p) for one in tests]
+        rows.append((f"independent of {symbol}: p", *chances))
     return Table("Tests of the innovations", columns, rows)
 
 
@@ -112,27 +107,22 @@ def _chance(p: float) -> str:
     return "< 0.0001" if p < 1e-4 else fixed(p, 4 if p < SIGNIFICANT else 2)
 
 
+@style()
 def _picture(account: Account) -> Picture:
     held, identify = account.diagnosis.heldout, account.diagnosis.identify
     names = list(dict.fromkeys(name for one in (held.before, identify.before) for name in one.rms))
-    places = np.arange(len(names))
-    lines: list[tuple[str, Mapping[str, float], str, str, str]] = []
+    figure = drawing(2.9)
+    axes = figure.add_subplot()
     for kind, both, dash, marker in (("held out", held, "-", "o"), ("identification", identify, ":", "s")):
-        lines.append((f"{kind}, before" if account.changed else kind, both.before.rms, MODEL.colour, dash, marker))
-        if account.changed:
-            lines.append((f"{kind}, after", both.after.rms, FOUND.colour, dash, marker))
-    with style():
-        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
-        axes = figure.add_subplot()
-        for label, rms, colour, dash, marker in lines:
-            values = [1e3 * rms.get(name, np.nan) for name in names]
-            axes.plot(places, values, dash, color=colour, marker=marker, markersize=5, linewidth=1.6, label=label)
-        noise = 1e3 * float(np.sqrt(account.diagnosis.problem.reading_variance))
-        axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="reading noise")
-        plain_log(axes, "y")
-        axes.set_xticks(places, ["rest" if name == "whole" else name for name in names])
-        axes.set_xlabel("prediction horizon")
-        axes.set_ylabel("RMS error [mm]")
-        figure.legend(loc="outside right upper")
-        caption = "RMS error of the positions predicted by CAM against the prediction horizon, logarithmic."
-        return picture(figure, caption, caption)
+        for when, look in zip(_whens(account), (MODEL, FOUND), strict=False):
+            values = [1e3 * getattr(both, when).rms.get(name, np.nan) for name in names]
+            label = f"{kind}, {when}" if account.changed else kind
+            axes.plot(values, dash, color=look.colour, marker=marker, markersize=5, linewidth=1.6, label=label)
+    noise = 1e3 * float(np.sqrt(account.diagnosis.problem.reading_variance))
+    axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="reading noise")
+    plain_log(axes, "y")
+    axes.set_xticks(range(len(names)), ["rest" if name == "whole" else name for name in names])
+    axes.set(xlabel="prediction horizon", ylabel="RMS error [mm]")
+    figure.legend(loc="outside right upper")
+    caption = "RMS error of the positions predicted by CAM against the prediction horizon, logarithmic."
+    return picture(figure, caption, caption)

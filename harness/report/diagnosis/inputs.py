@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
 
 from harness.formatting import length, number
+from harness.recording.known_rig import NEEDED, UNITS
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
-from harness.report.tables import Column, Row, Table
-
-_UNITS = {
-    "mass": "kg",
-    "inertia": "kg m²",
-    "radius": "m",
-    "rolling_radius": "m",
-    "eccentricity": "m",
-    "gravity": "m/s²",
-    "level_angle": "rad",
-}
+from harness.report.tables import Table, texts
 
 
 def section(account: Account) -> Section:
@@ -37,33 +27,25 @@ def section(account: Account) -> Section:
 
 
 def _recordings(account: Account) -> Table:
-    columns = [Column("recording", text=True), Column("length", "s"), Column("positions"), Column("SHA-256", text=True)]
     rows = []
     for one in account.diagnosis.problem.recordings:
         source = account.case.recordings[one.name]
-        rows.append(
-            Row(
-                (
-                    one.name,
-                    number(float(one.time[-1] - one.time[0])),
-                    str(int(source.known.sum())),
-                    f"`{source.sha256[:16]}…`",
-                )
-            )
-        )
+        duration = number(float(one.time[-1] - one.time[0]))
+        rows.append((one.name, duration, str(int(source.known.sum())), f"`{source.sha256[:16]}…`"))
+    columns = [*texts("recording"), "length [s]", "positions", *texts("SHA-256")]
     return Table("Recordings used for identification", columns, rows)
 
 
 def _rig(account: Account) -> Table:
-    columns = [Column("quantity", text=True), Column("value"), Column("unit", text=True), Column("status", text=True)]
-    known = account.case.rig
-    values = asdict(account.diagnosis.problem.rig)
+    rig, known = account.diagnosis.problem.rig, account.case.rig
     rows = [
-        Row((name.replace("_", " "), number(values[name], 4), unit, _status(getattr(known, name) is not None)))
-        for name, unit in _UNITS.items()
+        (
+            name.replace("_", " "),
+            number(getattr(rig, name), 4),
+            UNITS[name],
+            "estimated or assumed" if getattr(known, name) is None else "given",
+        )
+        for name in (*NEEDED, "level_angle")
     ]
+    columns = [*texts("quantity"), "value", *texts("unit", "status")]
     return Table("Rig without the effects found", columns, rows)
-
-
-def _status(given: bool) -> str:
-    return "given" if given else "estimated or assumed"

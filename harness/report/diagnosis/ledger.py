@@ -1,34 +1,79 @@
-"""Section with the ledger: all fitted hypotheses in order, and whether each was kept."""
+"""Sections on what was fitted: rivals in place of each effect found, and the ledger of all hypotheses in order."""
 
 from __future__ import annotations
 
 from harness.formatting import fixed
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.ledger import Line
+from harness.identify.verdict import IdentifiedEffect
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
-from harness.report.tables import Column, Row, Table
+from harness.report.tables import Column, Row, Table, texts
+
+_MAX_ROWS = 6  # per table
+_MAX_DIFFERENCE = 1000.0  # of the criterion; worse hypotheses were screened but not fitted
 
 
-def section(account: Account) -> Section:
-    """The ledger."""
-    ledger = account.diagnosis.ledger
+def rivals(account: Account) -> Section | None:
+    """Hypotheses with another effect or spline term in place of each one found; `None` if nothing was found."""
+    if not account.changed:
+        return None
+    tables = [_of_effect(account, one) for one in account.diagnosis.effects]
+    if account.diagnosis.found.terms.spline is not None:
+        tables += _of_spline(account)
     context = {
-        "attempts": len(ledger),
-        "kept": sum(one.kept for one in ledger),
-        "table": _table(account),
-        "replay": account.replay,
+        "tables": [table for table in tables if table.rows],
+        "near": f"{account.diagnosis.problem.settings.rival:g}",
+        "overdispersion": fixed(account.diagnosis.problem.settings.overdispersion, 2),
     }
-    return Section("ledger", "Ledger", "Ledger", "diagnosis/ledger.html", context)
+    return Section("rivals", "Rivals", "Rivals", "diagnosis/rivals.html", context)
 
 
-def _table(account: Account) -> Table:
-    columns = [
-        Column("tried", text=True),
-        Column("in addition to", text=True),
-        Column("gain", hint="decrease of the criterion"),
-        Column("kept", text=True),
-        Column("reason", text=True),
-        Column("hash", text=True, hint="of the entry in diagnosis.json, first eight digits"),
+def _of_effect(account: Account, effect: IdentifiedEffect) -> Table:
+    found = account.diagnosis.found
+    rest = {name for name in found.hypothesis.names if name != effect.name}
+    others = {
+        one.title: one
+        for one in account.diagnosis.ledger
+        if one.title not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.spline is None
+    }
+    beside = f" beside {', '.join(f'`{name}`' for name in sorted(rest))}" if rest else ""
+    return _table(account, f"In place of `{effect.name}`{beside}", list(others.values()))
+
+
+def _of_spline(account: Account) -> list[Table]:
+    """Other spline terms, and effects of the catalogue where the spline term stands now."""
+    ledger = account.diagnosis.ledger
+    splines = [one for one in ledger if one.rule is Rule.SPLINE]
+    before = {one.beside for one in splines}
+    effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.spline is None]
+    beside = ", ".join(f"`{name}`" for name in sorted({name for one in before for name in one}))
+    ending = f", in addition to {beside}" if beside else ""
+    return [
+        _table(account, f"Another spline term in its place{ending}", [one for one in splines if not one.kept]),
+        _table(account, f"An effect of the catalogue in its place{ending}", effects),
     ]
+
+
+def _table(account: Account, caption: str, others: list[Line]) -> Table:
+    """How far the others are behind by the criterion: the BIC beside a spline term, else the quasi-BIC."""
+    found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
+    name = "quasi-BIC" if found.hypothesis.spline is None else "BIC"
+
+    def behind(one: Line) -> float:
+        return criterion.gain(found, one.fit)
+
+    rows = []
+    for one in sorted((one for one in others if behind(one) < _MAX_DIFFERENCE), key=behind)[:_MAX_ROWS]:
+        told = "yes" if behind(one) >= criterion.settings.rival else "no"
+        rows.append((f"`{one.title}`", str(len(one.fit.theta)), fixed(behind(one), 1), told))
+    parameters = Column("parameters", hint="fitted parameters")
+    return Table(caption, [*texts("instead"), parameters, f"{name} above what was found", *texts("told apart")], rows)
+
+
+def ledger(account: Account) -> Section:
+    """All fitted hypotheses in order, and whether each was kept."""
+    lines = account.diagnosis.ledger
     rows = [
         Row(
             (
@@ -37,10 +82,22 @@ def _table(account: Account) -> Table:
                 fixed(one.gain, 1),
                 "kept" if one.kept else "",
                 one.because,
-                f"`{line.hash[:8]}`",
+                f"`{recorded.hash[:8]}`",
             ),
             "best" if one.kept else "",
         )
-        for one, line in zip(account.diagnosis.ledger, account.record.ledger, strict=True)
+        for one, recorded in zip(lines, account.record.ledger, strict=True)
     ]
-    return Table("All entries", columns, rows)
+    columns = [
+        *texts("tried", "in addition to"),
+        Column("gain", hint="decrease of the criterion"),
+        *texts("kept", "reason"),
+        Column("hash", text=True, hint="of the entry in diagnosis.json, first eight digits"),
+    ]
+    context = {
+        "attempts": len(lines),
+        "kept": sum(one.kept for one in lines),
+        "table": Table("All entries", columns, rows),
+        "replay": account.replay,
+    }
+    return Section("ledger", "Ledger", "Ledger", "diagnosis/ledger.html", context)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from analytic.motion import FloatArray
 from analytic.rig import Rig
@@ -13,16 +12,14 @@ from harness.formatting import number
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.validation.residual_acceleration import Trace, trace
-from harness.report.diagnosis.account import FOUND, MODEL, Account
+from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
+from harness.report.diagnosis.account import FOUND, Account
 from harness.report.diagnosis.residual_acceleration import LEFT
 from harness.report.page import Section
-from harness.report.palette import INK
-from harness.report.plots import WIDTH, Picture, band, binned, frame, picture, sample, style
-from harness.report.tables import Column, Row, Table
+from harness.report.plots import Picture, band, dots, drawing, frame, means, picture, sample, style
+from harness.report.tables import Column, Table
 from harness.report.wording import DEPENDENCES
 
-_MAX_DOTS = 2000  # in the scatter plot
 _PLOT_POINTS = 400  # of the curve
 _MIN_ROLLING_SPEED = 0.03  # above which the sign of the velocity is certain [m/s]
 _ABSCISSA = {  # name, unit, factor to it
@@ -54,53 +51,38 @@ def section(account: Account) -> Section | None:
     return Section("spline", "The law that no catalogue lists", "Spline term", "diagnosis/spline_term.html", context)
 
 
+@style()
 def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatArray) -> Picture:
     name, unit, scale = _ABSCISSA[spline.depends]
     where, left = _left(account, spline)
-    with style():
-        figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
-        axes = figure.add_subplot()
-        first, last = spline.places[0], spline.places[-1] + (spline.step if spline.turning else 0.0)
-        along = np.linspace(first, last, _PLOT_POINTS)
-        y = factor * spline.at(along)
-        thin = slice(None, None, max(1, len(where) // _MAX_DOTS))
-        axes.plot(
-            scale * where[thin],
-            factor * left[thin],
-            ".",
-            color=MODEL.colour,
-            alpha=0.3,
-            markersize=3,
-            markeredgewidth=0,
-            rasterized=True,
-        )
-        inside = (where >= first) & (where <= last)
-        centre, mean, error = binned(scale * where[inside], factor * left[inside])
-        axes.errorbar(centre, mean, yerr=error, color=INK, marker="o", markersize=3.5, linewidth=1.0, zorder=4)
-        width = factor * np.interp(along, spline.places, reach, period=last - first if spline.turning else None)
-        band(axes, scale * along, y - width, y + width)
-        axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
-        axes.plot(scale * spline.places, factor * spline.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
-        axes.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
-        low, high = np.percentile(factor * left[inside], (2.0, 98.0))
-        frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
-        axes.set_xlim(scale * first, scale * last)
-        axes.set_xlabel(f"{name} [{unit}]")
-        axes.set_ylabel(
-            "added to the coefficient\nof dry friction [1]" if spline.friction else "force on the ball [mN]"
-        )
-        looks = (LEFT, replace(FOUND, label="spline term"))
-        figure.legend(handles=[sample(look, look.label) for look in looks], loc="outside upper left", ncols=2)
-        alt = (
-            f"The unlisted {'friction' if spline.friction else 'force'} as a function of {DEPENDENCES[spline.depends]}."
-        )
-        caption = (
-            f"Estimated spline term with {len(spline.nodes)} nodes over the range of the recordings, with 95 % "
-            "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
-            "alone; black: its bin means with their standard errors."
-            f"{' A negative total friction is set to zero.' if spline.friction else ''}"
-        )
-        return picture(figure, alt, caption)
+    figure = drawing(3.4)
+    axes = figure.add_subplot()
+    first, last = spline.places[0], spline.places[-1] + (spline.step if spline.turning else 0.0)
+    along = np.linspace(first, last, _PLOT_POINTS)
+    y = factor * spline.at(along)
+    dots(axes, scale * where, factor * left, LEFT)
+    inside = (where >= first) & (where <= last)
+    means(axes, scale * where[inside], factor * left[inside], layer=4)
+    width = factor * np.interp(along, spline.places, reach, period=last - first if spline.turning else None)
+    band(axes, scale * along, y - width, y + width)
+    axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
+    axes.plot(scale * spline.places, factor * spline.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
+    low, high = np.percentile(factor * left[inside], (2.0, 98.0))
+    frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
+    axes.set(
+        xlim=(scale * first, scale * last),
+        xlabel=f"{name} [{unit}]",
+        ylabel="added to the coefficient\nof dry friction [1]" if spline.friction else "force on the ball [mN]",
+    )
+    figure.legend(handles=[sample(LEFT), sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
+    return picture(
+        figure,
+        f"The unlisted {'friction' if spline.friction else 'force'} as a function of {DEPENDENCES[spline.depends]}.",
+        f"Estimated spline term with {len(spline.nodes)} nodes over the range of the recordings, with 95 % "
+        "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
+        "alone; black: its bin means with their standard errors."
+        f"{' A negative total friction is set to zero.' if spline.friction else ''}",
+    )
 
 
 def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
@@ -108,9 +90,9 @@ def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]
     diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
     listed = replace(diagnosis.found, terms=replace(diagnosis.found.terms, spline=None))
     wheres, lefts = [], []
-    each = zip(diagnosis.problem.recordings, account.traces, diagnosis.found.terms.phases, strict=True)
+    each = zip(diagnosis.problem.recordings, account.residual_accelerations, diagnosis.found.terms.phases, strict=True)
     for record, seen, phase in each:
-        explained = trace(diagnosis.problem, listed, record, account.ball(record)).law
+        explained = residual_acceleration(diagnosis.problem, listed, record, account.ball(record)).law
         where = _along(spline, record, seen, diagnosis.problem.rig, float(phase))
         left, use = (seen.residual - explained) / k, seen.trusted
         if spline.friction:
@@ -122,7 +104,9 @@ def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]
     return np.concatenate(wheres), np.concatenate(lefts)
 
 
-def _along(spline: SplineTerm, record: PreparedRecording, seen: Trace, rig: Rig, phase: float) -> FloatArray:
+def _along(
+    spline: SplineTerm, record: PreparedRecording, seen: ResidualAcceleration, rig: Rig, phase: float
+) -> FloatArray:
     """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
     match spline.depends:
         case Regressor.POSITION:
@@ -137,7 +121,7 @@ def _along(spline: SplineTerm, record: PreparedRecording, seen: Trace, rig: Rig,
             return seen.time
 
 
-def _normal(record: PreparedRecording, seen: Trace, rig: Rig) -> FloatArray:
+def _normal(record: PreparedRecording, seen: ResidualAcceleration, rig: Rig) -> FloatArray:
     """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
     angle, rate, angular = record.drive.states.T
     arm = rig.eccentricity + rig.rolling_radius
@@ -147,13 +131,14 @@ def _normal(record: PreparedRecording, seen: Trace, rig: Rig) -> FloatArray:
 
 def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
     _, unit, scale = _ABSCISSA[spline.depends]
-    columns = [
-        Column(str(spline.depends).replace("_", " "), unit),
-        Column("coefficient" if spline.friction else "force", "1" if spline.friction else "mN"),
-        Column("± 95 %", "1" if spline.friction else "mN"),
-    ]
+    quantity = "coefficient [1]" if spline.friction else "force [mN]"
     rows = [
-        Row((number(scale * at), number(factor * value), number(factor * half, 2)))
+        (number(scale * at), number(factor * value), number(factor * half, 2))
         for at, value, half in zip(spline.places, spline.nodes, reach, strict=True)
+    ]
+    columns: list[Column | str] = [
+        Column(str(spline.depends).replace("_", " "), unit),
+        quantity,
+        f"± 95 % [{'1' if spline.friction else 'mN'}]",
     ]
     return Table("Nodes of the spline term", columns, rows)

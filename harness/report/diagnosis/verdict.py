@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import astuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analytic.effects import CATALOGUE
-from analytic.motion import FloatArray
 from harness.formatting import NONE, brief, number
 from harness.identify.design import proposal
 from harness.identify.estimate.forecast import Forecast, forecast
@@ -18,13 +16,14 @@ from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.numerics import rms
+from harness.report import plots
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
-from harness.report.palette import INK, MEASURED_COLOUR, Look
-from harness.report.plots import WIDTH, Picture, band, frame, line, mark_exits, picture, sample, style, thinning
-from harness.report.tables import Column, Row, Table
+from harness.report.palette import MEASURED_COLOUR, Look
+from harness.report.tables import Row, Table, texts
 from harness.report.wording import error_size, sentence, words
 
+RECORDED = Look("recording", MEASURED_COLOUR, None, 2.0, 4)
 _MAX_BAND = 3.0  # of the uncertainty band in the figure, times the largest error
 
 
@@ -88,15 +87,6 @@ def _independence(account: Account) -> str:
 
 
 def _found(account: Account) -> Table:
-    columns = [
-        Column("effect", text=True),
-        Column("law", text=True),
-        Column("parameter", text=True),
-        Column("value"),
-        Column("95 % interval"),
-        Column("unit", text=True),
-        Column("indistinguishable from", text=True),
-    ]
     rows = []
     for one in account.diagnosis.effects:
         rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
@@ -108,6 +98,7 @@ def _found(account: Account) -> Table:
             interval = f"{number(low, digits)} … {number(high, digits)}"
             cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
             rows.append(Row(cells, "best" if first else ""))
+    columns = [*texts("effect", "law", "parameter"), "value", "95 % interval", *texts("unit", "indistinguishable from")]
     return Table("Effects found (± above is half the width of these intervals)", columns, rows)
 
 
@@ -129,71 +120,54 @@ def _runs(account: Account) -> Runs:
     return [(forecast(diagnosis.problem, fit, shown, given), look) for fit, look in fits[: 2 if account.changed else 1]]
 
 
+@plots.style()
 def before_after(account: Account, runs: Runs | None = None) -> Figure:
     """Predictions of the first recording and their errors, without and with what was found."""
-    diagnosis, shown = account.diagnosis, account.shown
-    time, reading = shown.time, shown.reading
+    time, reading = account.shown.time, account.shown.reading
     runs = _runs(account) if runs is None else runs
     closest = runs[-1][0]
-    with style():
-        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
-        top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
-        _panel(top, time, reading, runs, closest)
-        top.set_ylabel("position $s$ [m]")
-        errors = [(1e3 * (one.position - reading), look) for one, look in runs]
-        # The difference contains the noise of the reading.
-        reach = 2e3 * np.sqrt(closest.deviation**2 + diagnosis.problem.reading_variance)
-        thin = slice(None, None, thinning(len(time)))
-        band(bottom, time, -reach, reach)
-        for error, look in errors:
-            line(bottom, time[thin], error[thin], look)
-        bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=2)
-        seen = errors[-1][0][np.isfinite(reading)]
-        most = _MAX_BAND * float(np.max(np.abs(seen)))
-        frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
-        for error, look in errors:
-            mark_exits(bottom, time, error, look)
-        bottom.set_ylabel("prediction − reading\n[mm]")
-        bottom.set_xlabel("time [s]")
-        bottom.set_xlim(time[0], time[-1])
-        for axes in (top, bottom):
-            axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
-        entries = [sample(Look("recording", MEASURED_COLOUR, None, 1.4), account.measured)]
-        entries += [sample(look, look.label) for _, look in runs]
-        figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
+    figure = plots.drawing(4.3)
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
+    plots.band(top, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
+    known = np.isfinite(reading)
+    plots.signal(top, time[known], reading[known], RECORDED)
+    plots.frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
+    errors = [(1e3 * (one.position - reading), look) for one, look in runs]
+    # The difference contains the noise of the reading.
+    reach = 2e3 * np.sqrt(closest.deviation**2 + account.diagnosis.problem.reading_variance)
+    plots.band(bottom, time, -reach, reach)
+    plots.zero(bottom)
+    seen = errors[-1][0][known]
+    most = _MAX_BAND * float(np.max(np.abs(seen)))
+    plots.frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
+    for axes, lines, label in (
+        (top, [(one.position, look) for one, look in runs], "position $s$ [m]"),
+        (bottom, errors, "prediction − reading\n[mm]"),
+    ):
+        for values, look in lines:
+            plots.signal(axes, time, values, look)
+            plots.mark_exits(axes, time, values, look)
+        axes.set_ylabel(label)
+        axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
+    plots.over_time(bottom, time[0], time[-1])
+    entries = [plots.sample(RECORDED, account.measured), *(plots.sample(look) for _, look in runs)]
+    figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
     return figure
 
 
-def _picture(account: Account) -> Picture:
+@plots.style()
+def _picture(account: Account) -> plots.Picture:
     shown, runs = account.shown, _runs(account)
-    time, reading = shown.time, shown.reading
-    first = time - time[0] < KNOWN
-    figure = before_after(account, runs)
-    with style():
-        ends = ", ".join(f"{look.label} {_error(one, reading, ~first)}" for one, look in runs)
-        alt = f"Recorded and predicted position of {shown.name} without and with the effects found; differences."
-        caption = (
-            f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
-            f"(shaded). RMS error after them: {ends}. Grey: ± 2 σ of the last of them, below including reading "
-            "noise. Triangles: a line leaves the frame. Parameters are those of the verdict, fitted to this recording "
-            "too; for held-out errors see below."
-        )
-        return picture(figure, alt, caption)
-
-
-def _panel(axes: Axes, time: FloatArray, reading: FloatArray, runs: Runs, closest: Forecast) -> None:
-    thin = slice(None, None, thinning(len(time)))
-    band(axes, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
-    known = np.isfinite(reading)
-    stride = slice(None, None, thinning(int(known.sum())))
-    axes.plot(time[known][stride], reading[known][stride], color=MEASURED_COLOUR, linewidth=2.4, alpha=0.85, zorder=4)
-    for one, look in runs:
-        line(axes, time[thin], one.position[thin], look)
-    frame(axes, np.concatenate((reading[known], closest.position)), margin=0.25)
-    for one, look in runs:
-        mark_exits(axes, time, one.position, look)
-
-
-def _error(one: Forecast, reading: FloatArray, judged: np.ndarray) -> str:
-    misses = (one.position - reading)[judged & np.isfinite(reading)]
-    return error_size(rms(misses)) if misses.size else NONE
+    judged = (shown.time - shown.time[0] >= KNOWN) & np.isfinite(shown.reading)
+    ends = [
+        f"{look.label} {error_size(rms((one.position - shown.reading)[judged])) if judged.any() else NONE}"
+        for one, look in runs
+    ]
+    return plots.picture(
+        before_after(account, runs),
+        f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
+        f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
+        f"(shaded). RMS error after them: {', '.join(ends)}. Grey: ± 2 σ of the last of them, below including reading "
+        "noise. Triangles: a line leaves the frame. Parameters are those of the verdict, fitted to this recording "
+        "too; for held-out errors see below.",
+    )

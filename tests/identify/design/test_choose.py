@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.identify.design.choose import pairs_of, reveal, separate
-from harness.identify.design.closed_loop import rehearse
-from harness.identify.design.excitation import LIBRARY, room_of
+from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
+from harness.identify.design.closed_loop import simulate_closed_loop
+from harness.identify.design.excitation import LIBRARY, envelope_of
 from harness.identify.design.proposal import MOST_RUNS, NOTHING, Proposal, Separation, sentence
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
@@ -31,7 +31,7 @@ def radius(tmp_path_factory: pytest.TempPathFactory) -> Short:
 @pytest.fixture(scope="module")
 def proposal(radius: Short) -> Proposal:
     """What is proposed then."""
-    made = separate(radius.problem, radius.found, [radius.pair])
+    made = choose_to_discriminate(radius.problem, radius.found, [radius.pair])
     assert made is not None
     return made
 
@@ -56,7 +56,7 @@ def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: 
     the angle is the same in all of them and does not: so the mean may be off by one.
     """
     rig = pairs[name]
-    proposed = separate(rig.problem, rig.found, [rig.pair])
+    proposed = choose_to_discriminate(rig.problem, rig.found, [rig.pair])
     assert proposed is not None
     (one,) = proposed.separations
     assert one.at_hand < 4.0
@@ -84,43 +84,46 @@ def test_recordings_diagnosed_together_bring_at_least_that(radius: Short, propos
 
 def test_profiles_keep_the_limits(radius: Short) -> None:
     """Ask of the beam and of the ball no more than the recordings show, and a fifth; nearly every profile fits that."""
-    room = room_of(radius.problem)
+    envelope = envelope_of(radius.problem)
     states = np.abs(np.concatenate([one.drive.states for one in radius.problem.recordings]))
-    assert room.angle <= 1.2 * states[:, 0].max()
-    assert room.rate <= 1.2 * states[:, 1].max()
-    assert room.acceleration <= 1.2 * states[:, 2].max()
-    made = [rehearse(radius.problem, radius.found.terms, radius.found.process_noise, one, room) for one in LIBRARY]
+    assert envelope.angle <= 1.2 * states[:, 0].max()
+    assert envelope.rate <= 1.2 * states[:, 1].max()
+    assert envelope.acceleration <= 1.2 * states[:, 2].max()
+    made = [
+        simulate_closed_loop(radius.problem, radius.found.terms, radius.found.process_noise, one, envelope)
+        for one in LIBRARY
+    ]
     feasible = [one for one in made if one is not None]
     assert len(feasible) >= 0.8 * len(LIBRARY)
     for one in feasible:
-        assert np.all(np.abs(one.record.drive.states).max(axis=0) <= room.limits), one.record.name
-        assert room.low <= one.position.min() < one.position.max() <= room.high, one.record.name
-        assert np.ptp(one.position) > 0.05 * (room.high - room.low), one.record.name
+        assert np.all(np.abs(one.recording.drive.states).max(axis=0) <= envelope.limits), one.recording.name
+        assert envelope.low <= one.position.min() < one.position.max() <= envelope.high, one.recording.name
+        assert np.ptp(one.position) > 0.05 * (envelope.high - envelope.low), one.recording.name
 
 
 def test_the_ball_stays_on_the_beam_of_the_independent_rig(radius: Short, proposal: Proposal) -> None:
     """Played blindly, end where expected within three of the deviations that are claimed, and stay in the room."""
     run = radius.played(proposal)
     expected = np.interp(run.time, proposal.time, proposal.reading)
-    assert np.max(np.abs(run.position - expected)) < 3.0 * proposal.drift
-    assert proposal.room.low - 3.0 * proposal.drift < run.position.min()
-    assert run.position.max() < proposal.room.high + 3.0 * proposal.drift
+    assert np.max(np.abs(run.position - expected)) < 3.0 * proposal.open_loop_drift
+    assert proposal.envelope.low - 3.0 * proposal.open_loop_drift < run.position.min()
+    assert run.position.max() < proposal.envelope.high + 3.0 * proposal.open_loop_drift
 
 
 def test_a_known_beam_is_used_to_its_ends(radius: Short) -> None:
     """Let the ball go up to 5 cm from either end of a beam of known length, and no further than before otherwise."""
     ball = radius.problem.recordings[0].reading
-    known, unknown = room_of(radius.problem, 0.6), room_of(radius.problem)
+    known, unknown = envelope_of(radius.problem, 0.6), envelope_of(radius.problem)
     assert (known.low, known.high) == pytest.approx((0.05, 0.55))
     assert np.nanmin(ball) <= unknown.low < unknown.high <= np.nanmax(ball)
-    longer = separate(radius.problem, radius.found, [radius.pair], length=0.6)
+    longer = choose_to_discriminate(radius.problem, radius.found, [radius.pair], length=0.6)
     assert longer is not None
     assert np.ptp(longer.reading) > 2.0 * np.ptp(ball[np.isfinite(ball)])
 
 
 def test_the_same_data_give_the_same_profile(radius: Short, proposal: Proposal) -> None:
     """Propose the same to the bit, whichever thread finishes first."""
-    again = separate(radius.problem, radius.found, [radius.pair])
+    again = choose_to_discriminate(radius.problem, radius.found, [radius.pair])
     assert again is not None
     assert again.separations == proposal.separations
     assert again.tried == proposal.tried
@@ -139,7 +142,7 @@ def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
     """Find the profile on which a lag of typical size is seen, and see it there as clearly as expected."""
     rig = short(tmp_path, {}, "position_lag")
     effects = ("position_lag", LEVEL, "contact_slip")
-    proposed = reveal(rig.problem, rig.found, effects)
+    proposed = choose_to_detect(rig.problem, rig.found, effects)
     assert proposed is not None
     lag, level, slip = proposed.separations
     assert (lag.told, level.told, slip.told) == (True, True, False)  # no beam tilts far enough for a ball to slip
@@ -156,12 +159,12 @@ def test_a_rig_that_has_shown_nothing_is_asked_nothing(radius: Short) -> None:
     """Propose nothing where ball and beam stood still: nobody knows what they can do."""
     (one,) = radius.problem.recordings
     still = replace(one, reading=np.where(np.isfinite(one.reading), 0.3, np.nan))
-    assert separate(replace(radius.problem, recordings=(still,)), radius.found, [radius.pair]) is None
+    assert choose_to_discriminate(replace(radius.problem, recordings=(still,)), radius.found, [radius.pair]) is None
 
 
 def test_nothing_is_proposed_where_nothing_would_be_seen(radius: Short) -> None:
     """Propose nothing to see a slip that no allowed angle brings about."""
-    assert reveal(radius.problem, radius.found, ("contact_slip",)) is None
+    assert choose_to_detect(radius.problem, radius.found, ("contact_slip",)) is None
 
 
 def tried(name: str, one: Fit, against: Fit) -> Line:
@@ -202,7 +205,10 @@ def test_a_law_that_holds_what_was_found_is_no_rival(radius: Short) -> None:
 
 def test_recordings_that_have_told_ask_for_no_more(radius: Short) -> None:
     """Propose nothing where what is to be told apart is, and no move would add to it."""
-    assert separate(radius.problem, radius.found, [replace(radius.pair, fit=radius.found, needed=0.0)]) is None
+    assert (
+        choose_to_discriminate(radius.problem, radius.found, [replace(radius.pair, fit=radius.found, needed=0.0)])
+        is None
+    )
 
 
 def told(proposal: Proposal, one: Separation) -> str:

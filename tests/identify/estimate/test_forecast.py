@@ -10,15 +10,16 @@ import numpy as np
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.forecast import forecast
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import record_of
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN, folds, horizon_spans
+from harness.preparation.recordings import observe
 from tests.posed import Posed
 
 
 def test_a_forecast_follows_the_truth_within_its_band(plain: Posed) -> None:
     """Stay within a few deviations of the truth over 14.5 s without a position, and claim no more than that."""
     problem = plain.problem
-    record, _ = record_of(plain.case, plain.case.recordings["rec_03.csv"], problem.rig)
+    record = PreparedRecording.of(observe(plain.case.recordings["rec_03.csv"], plain.case.sensors, problem.rig))
     blank = np.isnan(record.reading)
     assert np.count_nonzero(blank) > 1400
     made = forecast(problem, fit(problem, Hypothesis(())), record, record.reading)

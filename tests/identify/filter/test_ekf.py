@@ -24,8 +24,8 @@ from harness.identify.filter.ekf import (
     penalty,
 )
 from harness.identify.filter.run import dynamics, run_filter
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis, Terms
-from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
 from harness.recording import load_case
@@ -192,7 +192,7 @@ def test_a_ball_that_rests_in_the_filter_may_roll_in_truth(
     )
     truth = write_case(tmp_path / "case", experiment)
     assert any(np.any(one.velocity[1:] == 0.0) for one in truth)
-    problem, _ = problem_of(load_case(tmp_path / "case"))
+    problem = problem_of(load_case(tmp_path / "case"))
     # The factor of 3 of what counts as explained. By infinitesimal slopes the filter is certain that its ball rests,
     # and can follow one that rolls on only with 52 and 30 times the floor.
     assert Criterion().explained(problem, fit(problem, Hypothesis(tuple(hidden))))

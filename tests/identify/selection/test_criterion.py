@@ -4,30 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Fit
-from harness.identify.problem.hypothesis import Hypothesis, Terms
+from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from tests.identify.selection.made import PRICE, READINGS, made
 
-READINGS = 1000
-PRICE = math.log(READINGS)
 C = Criterion()
-
-
-def made(score: float, *names: str, spline: bool = False, parameters: int | None = None) -> Fit:
-    """A fit whose criterion is `score`, with one parameter an effect unless told otherwise."""
-    spline = blank(Regressor.POSITION, False, 0.0, 1.0) if spline else None
-    count = len(names) if parameters is None else parameters
-    hypothesis = Hypothesis(names, spline)
-    overdispersion = 1.0 if spline else DEFAULT.overdispersion
-    deviance = (score - PRICE * count) * overdispersion
-    terms = Terms((), (), np.zeros(0), spline)
-    return Fit(hypothesis, np.zeros(count), terms, 1e-8, deviance, np.zeros((count, count)), READINGS)
 
 
 def test_the_price_of_a_parameter_is_log_n() -> None:
@@ -63,13 +52,13 @@ def test_only_the_best_of_a_round_is_added() -> None:
     other = C.decide(Rule.ADD, second, base, evidence)
     assert not other.kept
     assert "20 less than rolling_resistance" in other.because
-    assert "does not pay" in C.decide(Rule.ADD, made(101.0, "level_error"), base, evidence).because
+    assert "does not lower" in C.decide(Rule.ADD, made(101.0, "level_error"), base, evidence).because
 
 
-def test_a_gain_within_chance_is_called_that() -> None:
-    """Say that a small gain of the best may be chance."""
+def test_a_gain_below_the_threshold_is_called_too_little() -> None:
+    """Say that a small gain of the best candidate is too little."""
     tried = made(97.0, "level_error")
-    assert "may be chance" in C.decide(Rule.ADD, tried, made(100.0), Evidence(winner=tried)).because
+    assert "too little" in C.decide(Rule.ADD, tried, made(100.0), Evidence(winner=tried)).because
 
 
 @pytest.mark.parametrize(("gain", "stays"), [(6.01, True), (5.99, False)])
@@ -86,7 +75,7 @@ def test_a_swap_lowers_the_criterion(score: float, kept: bool) -> None:
     decision = C.decide(Rule.SWAP, tried, without, Evidence(winner=tried, holder=holder))
     assert decision.kept is kept
     if score > 50.0:
-        assert "less than the effect in whose place it was tried" in decision.because
+        assert "less than the effect that it would replace" in decision.because
 
 
 def test_only_the_best_is_swapped_in() -> None:
@@ -151,6 +140,158 @@ def test_what_a_spline_term_contains_is_dropped() -> None:
     assert not C.decide(Rule.ABSORB, effect, idle, Evidence(holder=before)).kept
 
 
+@pytest.mark.parametrize(
+    ("rule", "kept"),
+    [(Rule.ADD, False), (Rule.RESTART, False), (Rule.PREFER, False), (Rule.REFINE, False), (Rule.DROP, True)],
+)
+def test_at_the_threshold_nothing_changes(rule: Rule, kept: bool) -> None:
+    """Add nothing that gains exactly the threshold, and drop nothing that does."""
+    tried, against = made(90.0, "level_error"), made(100.0)
+    exact = Settings(keep=C.gain(tried, against))
+    assert Criterion(exact).decide(rule, tried, against).kept is kept
+
+
+def test_at_the_pair_penalty_two_causes_stay_what_they_are() -> None:
+    """Neither split one law nor merge two where the gain is exactly the penalty, nor split where one just pays."""
+    pair, one = made(90.0, "rolling_resistance", "level_error"), made(100.0, "directional_resistance")
+    half = made(200.0, "rolling_resistance")
+    exact = Criterion(Settings(pair_penalty=C.gain(pair, one)))
+    assert not exact.decide(Rule.SPLIT, pair, one, Evidence(without=(half,))).kept
+    assert not exact.decide(Rule.MERGE, one, pair).kept
+    assert C.decide(Rule.SPLIT, pair, one, Evidence(without=(half,))).kept
+    just = Criterion(Settings(keep=C.gain(pair, half)))
+    assert not just.decide(Rule.SPLIT, pair, one, Evidence(without=(half,))).kept
+
+
+def test_at_its_threshold_a_spline_term_explains_nothing() -> None:
+    """Neither keep a spline term that gains exactly its threshold nor say that it contains an effect."""
+    spline, without = with_gain(50.0)
+    exact = Criterion(Settings(spline_keep=C.gain(spline, without)))
+    assert C.decide(Rule.SPLINE, spline, without, Evidence(winner=spline)).kept
+    assert not exact.decide(Rule.SPLINE, spline, without, Evidence(winner=spline)).kept
+    effect = made(C.value(spline) - 30.0, "level_error", spline=True, parameters=13)
+    nested = Evidence(holder=without, nested=True)
+    assert not C.decide(Rule.ABSORB, effect, spline, nested).kept
+    assert exact.decide(Rule.ABSORB, effect, spline, nested).kept
+    idle = Criterion(Settings(keep=C.gain(effect, spline)))
+    assert idle.decide(Rule.ABSORB, effect, spline, Evidence(holder=without)).kept
+
+
+@pytest.mark.parametrize(
+    ("rule", "gain", "said"),
+    [
+        (Rule.DROP, 7.0, "still pays beside the others"),
+        (Rule.DROP, 5.0, "no longer pays beside the others"),
+        (Rule.MERGE, 2.0, "the one explains more than the two"),
+        (Rule.MERGE, 0.5, "the one explains as much as the two"),
+        (Rule.MERGE, -0.5, "the one explains as much as the two"),
+        (Rule.MERGE, -2.0, "the one explains less than the two"),
+        (Rule.SPLIT, 2.0, "the two explain more than the one"),
+        (Rule.SPLIT, 0.5, "the two explain no more than the one"),
+        (Rule.ADD, 7.0, "lowers the quasi-BIC by 7.0"),
+        (Rule.ADD, 0.5, "lowers the quasi-BIC by 0.5, which may be chance"),
+        (Rule.ADD, -0.5, "does not pay for its parameters"),
+    ],
+)
+def test_a_decision_gives_its_reason(rule: Rule, gain: float, said: str) -> None:
+    """Say in words what the numbers decided."""
+    assert C.decide(rule, made(100.0 - gain, "level_error"), made(100.0)).because == said
+
+
+def test_what_gains_nothing_at_all_does_not_pay() -> None:
+    """Say so of a candidate that leaves the criterion exactly as it is, alone or in the place of an effect."""
+    idle, without, holder = made(100.0, "level_error", parameters=0), made(100.0), made(50.0, "track_bump")
+    assert C.decide(Rule.ADD, idle, without).because == "does not pay for its parameters"
+    swap = C.decide(Rule.SWAP, idle, without, Evidence(winner=idle, holder=holder))
+    assert swap.because == "does not pay for its parameters"
+
+
+def test_a_pair_of_which_one_is_idle_is_told_from_one_that_explains_no_more() -> None:
+    """Say that one of the two does not pay."""
+    pair, one = made(90.0, "rolling_resistance", "level_error"), made(100.0, "directional_resistance")
+    decision = C.decide(Rule.SPLIT, pair, one, Evidence(without=(made(91.0, "level_error"),)))
+    assert decision.because == "the two explain more, but one of them does not pay"
+
+
+@pytest.mark.parametrize(
+    ("score", "said"),
+    [
+        (40.0, "lowers the quasi-BIC by 60.0"),
+        (50.5, "lowers the quasi-BIC by 49.5, 0.5 less than the effect in whose place it was tried"),
+        (99.5, "lowers the quasi-BIC by 0.5, 49.5 less than the effect in whose place it was tried"),
+        (100.5, "does not pay for its parameters"),
+    ],
+)
+def test_a_swap_is_told_by_what_it_gains_and_by_what_it_would_replace(score: float, said: str) -> None:
+    """Say how far the best candidate is behind the effect that keeps its place."""
+    holder, without, tried = made(50.0, "level_error"), made(100.0), made(score, "track_curvature")
+    assert C.decide(Rule.SWAP, tried, without, Evidence(winner=tried, holder=holder)).because == said
+
+
+def test_a_candidate_that_is_not_best_is_told_which_was() -> None:
+    """Name what the best fit added last, in a round of additions or of swaps."""
+    without, holder = made(100.0), made(50.0, "track_bump")
+    best, second = made(40.0, "track_curvature", "level_error"), made(45.0, "track_curvature", "angle_gain")
+    for rule in (Rule.ADD, Rule.SWAP):
+        because = C.decide(rule, second, without, Evidence(winner=best, holder=holder)).because
+        assert because == "lowers the quasi-BIC by 55.0, 5 less than level_error"
+
+
+@pytest.mark.parametrize(
+    ("gain", "after", "said"),
+    [
+        (50.0, (9.0,), "lowers the BIC by 50"),
+        (50.0, (11.0,), "lowers the BIC by 50, but fitted to some of the recordings it does not predict the others"),
+        (10.0, (9.0,), "lowers the BIC by 10, too little"),
+        (10.0, (11.0,), "lowers the BIC by 10, too little"),
+    ],
+)
+def test_a_spline_term_is_told_by_its_gain_and_what_recurs(gain: float, after: tuple[float, ...], said: str) -> None:
+    """Tell a gain that is too small from one that one recording alone has."""
+    spline, without = with_gain(gain)
+    evidence = Evidence(winner=spline, before=(10.0,), after=after)
+    assert C.decide(Rule.SPLINE, spline, without, evidence).because == said
+
+
+@pytest.mark.parametrize(("gain", "said"), [(7.0, "pays beside the spline term"), (5.0, "does not pay beside")])
+def test_an_effect_beside_a_spline_term_is_told_whether_it_pays(gain: float, said: str) -> None:
+    """Say of an effect that the spline term does not contain whether it pays."""
+    spline, without = with_gain(50.0)
+    effect = made(C.value(spline) - gain, "level_error", spline=True, parameters=13)
+    assert C.decide(Rule.ABSORB, effect, spline, Evidence(holder=without)).because.startswith(said)
+
+
+def test_one_recording_of_three_is_not_half_of_them() -> None:
+    """Drop a spline term that predicts one recording of three better, or all of them just as well."""
+    spline, without = with_gain(50.0)
+    for after, kept in (((9.0, 11.0, 11.0), False), ((9.0, 9.0, 11.0), True), ((10.0, 10.0, 10.0), False)):
+        evidence = Evidence(winner=spline, before=(10.0,) * 3, after=after)
+        assert C.decide(Rule.SPLINE, spline, without, evidence).kept is kept
+
+
+def test_held_out_figures_come_in_pairs() -> None:
+    """Refuse to compare two recordings without the spline term with one that has it."""
+    spline, without = with_gain(50.0)
+    with pytest.raises(ValueError, match="shorter"):
+        C.decide(Rule.SPLINE, spline, without, Evidence(winner=spline, before=(10.0, 10.0), after=(9.0,)))
+
+
+@pytest.mark.parametrize(("ratio", "below", "above"), [(0.99, True, False), (1.0, False, False), (1.01, False, True)])
+def test_what_is_left_is_judged_against_the_floor_of_the_input_noise(ratio: float, below: bool, above: bool) -> None:
+    """Call a fit explained below the one multiple of the floor, and unexplained above the other."""
+    one = made(0.0)
+    for factor in (1.0, 4.0):  # powers of two, so that the product is exact
+        criterion = Criterion(Settings(explained_ratio=factor, unexplained_ratio=factor))
+        floor = cast(Problem, SimpleNamespace(angle_floor=one.root_process_noise / factor / ratio))
+        assert criterion.explained(floor, one) is below
+        assert criterion.unexplained(floor, one) is above
+
+
+def test_exactly_so_far_behind_is_no_rival() -> None:
+    """Count what is behind by the whole margin as told apart."""
+    assert not Criterion(Settings(rival=0.0)).rivals(made(50.0, "track_bump"), made(50.0, "level_error"))
+
+
 WINDOWS = tuple(np.linspace(0.01, 0.03, 12))
 
 
@@ -169,7 +310,9 @@ def test_an_extension_is_sure_and_best(factor: float, sure: bool) -> None:
     tried, base = made(90.0, "level_error"), made(100.0)
     after = tuple(factor * one for one in WINDOWS)
     first = Evidence(winner=tried if sure else None, before=WINDOWS, after=after, tests=17)
-    assert C.decide(Rule.EXTEND, tried, base, first).kept is sure
+    decision = C.decide(Rule.EXTEND, tried, base, first)
+    assert decision.kept is sure
+    assert ("which may be chance" in decision.because) is not sure
     second = Evidence(winner=made(80.0, "track_bump"), before=WINDOWS, after=after, tests=17)
     assert not C.decide(Rule.EXTEND, tried, base, second).kept
 
@@ -179,6 +322,7 @@ def test_more_candidates_need_a_surer_gain() -> None:
     after = tuple(one - 0.004 * (-1) ** n for n, one in enumerate(WINDOWS))
     one, many = (C.reduction(Evidence(before=WINDOWS, after=after, tests=tests)) for tests in (1, 17))
     assert many.low < one.low < one.value < one.high < many.high
+    assert C.reduction(Evidence(before=WINDOWS, after=after)) == one
 
 
 @pytest.mark.parametrize(("behind", "rival"), [(5.99, True), (6.01, False)])

@@ -25,7 +25,7 @@ BENT = SplineTerm(Regressor.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES))
 ROUND = replace(blank(Regressor.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
 
 
-def spline(spline: SplineTerm, where: FloatArray) -> FloatArray:
+def by_scipy(spline: SplineTerm, where: FloatArray) -> FloatArray:
     """The curve by scipy: slopes are central differences, at the ends those of the last two nodes."""
     places, nodes = spline.places, spline.nodes
     if spline.turning:  # three turns of it, of which the middle one is far from either end
@@ -35,16 +35,16 @@ def spline(spline: SplineTerm, where: FloatArray) -> FloatArray:
     return np.asarray(CubicHermiteSpline(places, nodes, np.gradient(nodes, spline.step))(inside))
 
 
-@pytest.mark.parametrize("shape", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
+@pytest.mark.parametrize("spline", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
 def test_a_curve_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
     """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a turn."""
     np.testing.assert_allclose(spline.at(spline.places), spline.nodes, rtol=1e-12)
     where = np.linspace(-3.0, 13.0, 1001)
     # The place among the nodes is rounded by 1e-16 · 13/0.02 = 7e-14, times slopes of order 1 a node.
-    np.testing.assert_allclose(spline.at(where), spline(spline, where), atol=1e-12)
+    np.testing.assert_allclose(spline.at(where), by_scipy(spline, where), atol=1e-12)
 
 
-@pytest.mark.parametrize("shape", [BENT, ROUND], ids=["bent", "round"])
+@pytest.mark.parametrize("spline", [BENT, ROUND], ids=["bent", "round"])
 def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(spline: SplineTerm) -> None:
     """Keep every node, add one between two, and move no further than a spline's slopes change."""
     finer = spline.finer()
@@ -82,7 +82,7 @@ def test_the_kernel_feels_the_curve(depends: Regressor, friction: bool) -> None:
         assert acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p) - without == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("shape", [BENT, ROUND.finer()])
+@pytest.mark.parametrize("spline", [BENT, ROUND.finer()])
 def test_a_record_holds_all_but_the_values(spline: SplineTerm) -> None:
     """Come back from JSON as the same curve that is nothing yet."""
     again = SplineTerm.of(spline.record())

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.prepare import problem_of
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import Regressor, blank
@@ -33,7 +33,7 @@ def blown(folder: Path, *, both: bool) -> Problem:
     if not both:
         _, second = replace(gusty, unlisted={}).recordings()
     write_case(folder, gusty, (first, second))
-    return problem_of(load_case(folder))[0]
+    return problem_of(load_case(folder))
 
 
 def with_and_without(problem: Problem) -> tuple[Fit, Fit]:

@@ -9,7 +9,7 @@ import pytest
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import best_screened, candidates, fit_candidates, found_in
+from harness.identify.selection.candidates import best_screened, candidates, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.stepwise import stepwise
@@ -58,7 +58,7 @@ def test_what_acts_is_found_and_nothing_else(damped: tuple[Problem, Fit, list[Fi
     problem, base, _ = damped
     ledger = Ledger(Criterion())
     found = stepwise(problem, base, ledger, quiet)
-    assert found_in(problem, found) == ("viscous_damping",)
+    assert selected_effects(problem, found) == ("viscous_damping",)
     added = [line for line in ledger.lines if line.rule is Rule.ADD]
     assert [line.effects for line in added if line.kept] == [("viscous_damping",)]
     assert len(added) == 2 * len(candidates(problem)) - 1
@@ -84,4 +84,4 @@ def test_no_more_effects_are_found_than_the_settings_allow(tmp_path: Path) -> No
     problem = replace(pose(tmp_path / "case", 0, hidden).problem, settings=Settings(max_effects=1, restarts_from=0))
     ledger = Ledger(Criterion(problem.settings))
     found = stepwise(problem, fit(problem, Hypothesis(())), ledger, quiet)
-    assert len(found_in(problem, found)) == 1
+    assert len(selected_effects(problem, found)) == 1

@@ -40,7 +40,7 @@ def test_an_idle_effect_is_dropped(rolling: Problem) -> None:
     assert found.hypothesis.names == (ROLLING,)
     (dropped,) = [line for line in ledger.lines if line.rule is Rule.DROP and not line.kept]
     assert dropped.effects == ("position_lag",)
-    assert "no longer pays" in dropped.because
+    assert "no longer needed" in dropped.because
 
 
 def test_what_stood_in_gives_way(rolling: Problem) -> None:

@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
 
 from analytic.rig import Rig
-from harness.identify.problem.prepare import problem_of
+from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
 from harness.identify.validation.baselines import (
@@ -65,13 +65,16 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
     rig = Rig()
     rig = rig.with_(eccentricity=rig.eccentricity - rig.lever)
     truth = write_case(tmp_path / "case", Experiment(rig=rig, predict=0, seed=3))
-    problem, _ = problem_of(load_case(tmp_path / "case"))
+    problem = problem_of(load_case(tmp_path / "case"))
     windows = windows_of(problem.recordings)
     missed, column = [], []
     for window in windows:
-        (told,) = [one for one, record in zip(truth, problem.recordings, strict=True) if record is window.record]
+        (told,) = [one for one, record in zip(truth, problem.recordings, strict=True) if record is window.recording]
         s, t = told.position[window.use], window.time
-        alpha, rate = window.record.drive.evaluate(t + window.begin), window.record.drive.derivative(t + window.begin)
+        alpha, rate = (
+            window.recording.drive.evaluate(t + window.begin),
+            window.recording.drive.derivative(t + window.begin),
+        )
         d = rig.rolling_ratio * (s * rate**2 + rig.gravity * (np.sin(alpha) - alpha))
         D = cumulative_simpson(cumulative_simpson(d, x=t, initial=0.0), x=t, initial=0.0)
         others, _ = np.linalg.qr(np.column_stack((np.ones_like(t), t, t**2)))
@@ -134,7 +137,7 @@ def test_predictions_know_the_beginning_only(plain: Posed) -> None:
     windows = windows_of(plain.problem.recordings)
     for fitted in (fit_double_integrator(windows), fit_output_error(windows)):
         before = fitted.predict(windows[0])
-        reading = windows[0].record.reading.copy()
+        reading = windows[0].recording.reading.copy()
         reading[windows[0].use][windows[0].judged] += 0.1
-        after = fitted.predict(replace(windows[0], record=replace(windows[0].record, reading=reading)))
+        after = fitted.predict(replace(windows[0], recording=replace(windows[0].recording, reading=reading)))
         np.testing.assert_array_equal(before, after)

@@ -101,7 +101,7 @@ def test_an_effect_does_the_same_in_the_engines(
 def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends: Regressor, friction: bool) -> None:
     """Predict with both engines as wrongly as CAM does with an unlisted law, a force or a friction."""
     found = supposed(base, spline=curve(short, depends, friction), phase=0.7)
-    assert entries(found) == {"curve": "friction on the ball" if friction else "force on the ball"}
+    assert entries(found) == {"spline term": "friction on the ball" if friction else "force on the ball"}
     agree(short, base, found)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from harness.identify.validation.whiteness import LAGS, SIGNIFICANT, dependence, joined, on_beam
+from harness.identify.validation.whiteness import LAGS, SIGNIFICANT, beam_dependence, dependence, joined
 from tests.motions import Sines
 
 TIME = np.arange(0.0, 16.0, 0.01)
@@ -67,7 +67,7 @@ def test_too_short_a_recording_is_not_tested() -> None:
     """Test nothing where there is less than a second before any reading."""
     motion = Sines()
     time = TIME[:100]
-    found = on_beam(time, np.ones(100), JUDGED[:100], motion)
+    found = beam_dependence(time, np.ones(100), JUDGED[:100], motion)
     assert set(found) == {"angle", "rate", "acceleration"}
     assert all(one.freedom == 0 and one.p == 1.0 for one in found.values())
 

@@ -1,0 +1,45 @@
+"""Poses the problem of a case: recordings prepared, rig completed, noise measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analytic.effects import CATALOGUE
+from analytic.effects.effect import UnknownQuantity
+from harness.errors import InputError
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.preparation.declared_effects import declared_effects
+from harness.preparation.recordings import observe
+from harness.preparation.rig_completion import complete_rig, missing
+from harness.recording import Case, KnownRig
+
+_STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level")  # of an incompletely known rig
+_FEWEST = 20  # readings that a recording must hold to say anything
+
+
+def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
+    """The problem that the recordings `names` pose (by default those to identify from).
+
+    Raises:
+        InputError: no recording has positions enough, the rig cannot be completed, or a declared effect is not in the
+            catalogue.
+    """
+    names = [name for name in (names or case.identify) if int(case.recordings[name].known.sum()) >= _FEWEST]
+    if not names:
+        raise InputError(f"{case.path}: no recording to identify from has {_FEWEST} known positions or more")
+    declared = declared_effects(case)
+    rig = complete_rig(case, case.recordings[names[0]]).rig
+    every = [observe(case.recordings[name], case.sensors, rig) for name in names]
+    variance = float(np.mean([one.noise**2 for one in every]))
+    return Problem(tuple(map(PreparedRecording.of, every)), rig, declared, variance, unknown=unknown_effects(case.rig))
+
+
+def unknown_effects(known: KnownRig) -> tuple[str, ...]:
+    """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle."""
+    open_ = missing(known)
+    if open_ and known.level_angle is None:
+        open_ |= {"level"}
+    standing = {effect.relations.stands_for: name for name, effect in CATALOGUE.items()}
+    return tuple(standing[quantity] for quantity in _STOOD_FOR if quantity in open_)

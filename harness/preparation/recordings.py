@@ -1,0 +1,70 @@
+"""Prepares a recording for comparison and identification: drive, ball state, trusted readings and their noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from analytic.rig import Rig
+from harness.errors import InputError
+from harness.recording import Recording, Sensors, inferred_resolution
+from harness.signals.ball_state import BallEstimate, estimate_ball
+from harness.signals.drive import Drive, make_drive
+
+MIN_POSITIONS = 3  # for estimating a state
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A prepared recording.
+
+    Attributes:
+        recording: the checked input.
+        drive: smoothed motion of the beam.
+        ball: smoothed state of the ball, relative to CAM on some rig.
+        noise: standard deviation of a position reading, quantisation included [m].
+    """
+
+    recording: Recording
+    drive: Drive
+    ball: BallEstimate
+    noise: float
+
+    @property
+    def reading(self) -> FloatArray:
+        """Positions, NaN where unknown or a spike, shape (n,) [m]."""
+        return np.where(self.ball.trusted, self.recording.position, np.nan)
+
+
+def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
+    """Prepares a recording, with the declared or inferred resolution of its sensors.
+
+    Args:
+        recording: checked.
+        sensors: what is declared of them.
+        rig: complete; a rough one if it is unknown. The ball's motion is smoothed relative to CAM on this rig.
+
+    Raises:
+        InputError: fewer than three positions are known.
+    """
+    count = int(recording.known.sum())
+    if count < MIN_POSITIONS:
+        raise InputError(
+            f"{recording.path}: {MIN_POSITIONS} known ball positions are needed to estimate the start state, {count} "
+            "are known; check that the column is there and named ball_position_m, leave the positions of the first "
+            "second or so in it, or choose another recording"
+        )
+    drive = make_drive(
+        recording.time,
+        recording.angle,
+        resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
+        noise=sensors.angle_noise,
+    )
+    resolution = sensors.position_resolution or inferred_resolution(recording.position)
+    ball = estimate_ball(
+        recording.time, recording.position, drive, rig, noise=sensors.position_noise, resolution=resolution
+    )
+    return Observed(recording, drive, ball, math.hypot(ball.noise, (resolution or 0.0) / math.sqrt(12.0)))
