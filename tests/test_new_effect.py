@@ -15,6 +15,7 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
+from benchmarks.calibration.engine_ball import engine_mover
 from benchmarks.calibration.rows import Outcome
 from benchmarks.calibration.run import diagnosed
 from benchmarks.calibration.sizes import SCALES, Scale
@@ -26,7 +27,6 @@ from harness.identify.pose import problem_of
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.simulator import Experiment, Plant, simulate, write_case
-from harness.simulator.engine_ball import engine_mover
 from tests.motions import Sines
 
 FREQUENCY = 60.0  # [1/rad]
@@ -71,7 +71,7 @@ def test_engine_ball_gets_the_force_too() -> None:
     own, other = experiment.recordings()[0], experiment.recordings(engine_mover("mujoco"))[0]
     bare = replace(experiment, hidden={}).plant(experiment.seeds[0], {})
     assert bare.force is None
-    # below 1 µm each in 6 s, as of every smooth force (tests/simulator/test_engine_ball.py)
+    # below 1 µm each in 6 s, as of every smooth force (tests/benchmarks/test_engine_ball.py)
     assert np.max(np.abs(own.position - other.position)) < 1e-6
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from analytic.effects import ECCENTRIC_PIVOT
 from analytic.models import CUM
 from analytic.rig import Rig
+from benchmarks.calibration.engine_ball import engine_mover
 from benchmarks.calibration.trials import RIG, Trial
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
 from harness.simulator import Experiment, Record, SimulatedRecording, write_case
-from harness.simulator.engine_ball import engine_mover
 
 # Where the pivot is to be found, the baseline is what CAM is without the α̈ term. CUM as printed has R in the inertia
 # besides, which is a gain of 7 % on everything, and would be found as one.

@@ -15,6 +15,7 @@ import tempfile
 import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -212,35 +213,14 @@ def _load(rig: Rig, settings: PyBulletParameters, client: int) -> _Scene:
     }
     # A call on a link that names a damping or a speed limit drops everything else in it without a word, so what belongs
     # to a whole body (set through its base) and what belongs to a surface (set on its link) go separately.
+    change = partial(pybullet.changeDynamics, physicsClientId=client)
     for body, linear, angular in ((ball, settings.linear_damping, settings.angular_damping), (beam, 0.0, 0.0)):
-        pybullet.changeDynamics(
-            body,
-            -1,
-            linearDamping=linear,
-            angularDamping=angular,
-            maxJointVelocity=NO_SPEED_LIMIT,
-            physicsClientId=client,
-        )
-    pybullet.changeDynamics(
-        beam, joints[PIVOT], lateralFriction=settings.lateral_friction_rail, restitution=1.0, physicsClientId=client
-    )
-    pybullet.changeDynamics(
-        ball,
-        -1,
-        lateralFriction=settings.lateral_friction_ball,
-        rollingFriction=settings.rolling_friction,
-        spinningFriction=settings.spinning_friction,
-        restitution=settings.restitution,
-        physicsClientId=client,
-    )
+        change(body, -1, linearDamping=linear, angularDamping=angular, maxJointVelocity=NO_SPEED_LIMIT)
+    change(beam, joints[PIVOT], lateralFriction=settings.lateral_friction_rail, restitution=1.0)
+    change(ball, -1, lateralFriction=settings.lateral_friction_ball, restitution=settings.restitution)
+    change(ball, -1, rollingFriction=settings.rolling_friction, spinningFriction=settings.spinning_friction)
     if settings.contact_stiffness is not None:
-        pybullet.changeDynamics(
-            ball,
-            -1,
-            contactStiffness=settings.contact_stiffness,
-            contactDamping=settings.contact_damping,
-            physicsClientId=client,
-        )
+        change(ball, -1, contactStiffness=settings.contact_stiffness, contactDamping=settings.contact_damping)
     for joint in joints.values():  # the motors that loadURDF leaves on
         pybullet.setJointMotorControl2(beam, joint, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
     sag_x, _, sag_z = to_world(0.0, 0.0, -rig.gravity * settings.time_step, -rig.level_angle)

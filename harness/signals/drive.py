@@ -107,10 +107,6 @@ class Drive(QuinticMotion):
     _smoothed: Smoothed
     _variance: FloatArray
 
-    def angle_std(self, time: FloatArray) -> FloatArray:
-        """Standard deviation of α [rad] at `time` [s], same shape."""
-        return np.interp(time, self.time, self.std[:, 0])
-
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""
         paths = draw(self._smoothed, self._variance, count, np.random.default_rng(seed))

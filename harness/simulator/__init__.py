@@ -18,9 +18,7 @@ from harness.simulator.protocol import (
     perform,
     record,
     recording_text,
-    write_recording,
 )
-from harness.simulator.replay import beam_motion, shaft_motion
 from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
 
@@ -40,13 +38,10 @@ __all__ = [
     "Sensors",
     "Servo",
     "SimulatedRecording",
-    "beam_motion",
     "perform",
     "record",
     "recording_text",
-    "shaft_motion",
     "simulate",
     "truth",
     "write_case",
-    "write_recording",
 ]

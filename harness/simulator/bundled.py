@@ -13,11 +13,10 @@ from pathlib import Path
 
 from analytic import effects
 from analytic.rig import Rig
+from harness.simulator.case_folder import ORIGIN
 from harness.simulator.plant import Plant, Run
 from harness.simulator.protocol import Controller, Protocol, Record, Sensors, perform, recording_text
 from harness.simulator.servo import Servo
-
-ORIGIN = "simulated by harness.simulator (rigid bodies in contact, not one of the models under test); no measurement"
 
 # The paper fitted α₀ = −0.16° to its own rig; c is what rolling resistance of steel on an aluminium edge may be.
 ROLLING_RESISTANCE = 0.0035

@@ -164,9 +164,9 @@ def step(
         if normal > 0.0:
             new_vx += normal * sin_m / m
             new_vz += normal * cos_m / m
-            if law.presliding != 0.0:
+            if law.presliding_hysteresis_coefficient != 0.0:
                 stretch, stretched = dahl(ball.stretch, dt * v_mean, normal / dt, law)
-                twist = -dt * r * law.presliding_stiffness * stretched
+                twist = -dt * r * law.presliding_hysteresis_stiffness * stretched
             c_plus, c_minus = resistance_coefficients(s_mean, v_mean, rolled, now, law)
             free_spin = ball.spin + (torque + twist) / J
             slip = new_vx * cos_e - new_vz * sin_e - next_rate * k.eccentricity - r * free_spin

@@ -9,12 +9,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from analytic.effects import CATALOGUE, STRIBECK_FRICTION, Acting, EffectError, acting
+from analytic.effects import (
+    CATALOGUE,
+    CONTACT_SLIP,
+    ECCENTRIC_PIVOT,
+    LEVEL_ERROR,
+    ROLLING_RESISTANCE,
+    STRIBECK_FRICTION,
+    Acting,
+    EffectError,
+    acting,
+)
 from analytic.effects.catalogue import check_values
 from analytic.effects.parameter import Limits
 from analytic.naming import did_you_mean
 from harness.errors import InputError
-from harness.simulator.acting import OWN_LAWS
+from harness.simulator.laws import Laws
 
 Effects = Mapping[str, Mapping[str, float]]
 """What acts: name -> values of its parameters (SI)."""
@@ -88,6 +98,8 @@ _ORDERED = {
     STRIBECK_FRICTION.name: ("kinetic_coefficient", "static_coefficient"),
 }
 """Parameters of which the first may not exceed the second."""
+_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP)
+"""What is no field of `Laws` but of `Plant`."""
 
 
 def checked(effects: Effects) -> dict[str, dict[str, float]]:
@@ -124,7 +136,8 @@ def listed(effects: Effects) -> tuple[Acting, ...]:
 
 def _refuse_without_law(one: Acting) -> None:
     """Refuse an effect that is described only by what it does to the model's equation or to a given motion."""
-    if one.effect.name not in OWN_LAWS and (one.effect.write is not None or one.effect.turn is not None):
+    own = one.effect in _OF_THE_PLANT or all(f"{one.effect.name}_{name}" in Laws._fields for name in one.values)
+    if not own and (one.effect.write is not None or one.effect.turn is not None):
         raise EffectError(
             f"the virtual rig has no law of its own for {one.effect.name}; of others it takes forces, and "
             "changes of the rig, the transmission or the sensor."

@@ -15,7 +15,6 @@ from harness.simulator.effects import UNLISTED, Effects, checked
 from harness.simulator.moves import SERVO, random_controller, random_protocol, random_start
 from harness.simulator.plant import Plant, Run, simulate
 from harness.simulator.protocol import Record, Sensors, perform, record, turned_before
-from harness.simulator.replay import shaft_motion
 from harness.simulator.sensors import Encoder, Laser
 
 MARGIN = 0.1  # by which the laser reads further than the ball may roll [m]
@@ -166,7 +165,22 @@ class Experiment:
     def recording(self, seed: int, mover: Mover | None = None) -> SimulatedRecording:
         """One recording, with its own moves and its own noise (see `recordings`)."""
         run, written = self.carried_out(seed)
-        return self._told(run, written, seed, mover)
+        sensors, dt = self.sensors, self.step
+        stride = sensors.stride(dt)
+        position, velocity, rolled = run.position, run.velocity, run.rolled_angle
+        if mover is not None:
+            position, velocity = mover(run, self.plant(seed, self.acting), State(float(run.position[0]), 0.0), run.time)
+            rolled = np.full_like(position, math.nan)
+            written = record(replace(run, position=position), sensors, seed)
+        return SimulatedRecording(
+            written,
+            position[::stride].copy(),
+            velocity[::stride].copy(),
+            run.angle[::stride].copy(),
+            rolled[::stride].copy(),
+            sensors.channel.read(position, dt, written.time),
+            seed,
+        )
 
     def carried_out(self, seed: int) -> tuple[Run, Record]:
         """What happened at every step of the recording with this seed, and its record.
@@ -194,23 +208,5 @@ class Experiment:
             return perform(protocol, plant, SERVO, controller, sensors, seed)
         known = self.plant(seed, self.declared)
         rehearsal, _ = perform(protocol, known, SERVO, controller, replace(sensors, channel=Sensors().channel), seed)
-        run = simulate(plant, shaft_motion(rehearsal), State(start, 0.0), self.duration)
+        run = simulate(plant, rehearsal.shaft_motion, State(start, 0.0), self.duration)
         return run, record(run, sensors, seed)
-
-    def _told(self, run: Run, written: Record, seed: int, mover: Mover | None) -> SimulatedRecording:
-        sensors, dt = self.sensors, self.step
-        stride = sensors.stride(dt)
-        position, velocity, rolled = run.position, run.velocity, run.rolled_angle
-        if mover is not None:
-            position, velocity = mover(run, self.plant(seed, self.acting), State(float(run.position[0]), 0.0), run.time)
-            rolled = np.full_like(position, math.nan)
-            written = record(replace(run, position=position), sensors, seed)
-        return SimulatedRecording(
-            written,
-            position[::stride].copy(),
-            velocity[::stride].copy(),
-            run.angle[::stride].copy(),
-            rolled[::stride].copy(),
-            sensors.channel.read(position, dt, written.time),
-            seed,
-        )

@@ -9,6 +9,7 @@ from typing import cast
 
 import numba
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from analytic.effects import (
     CONTACT_SLIP,
@@ -19,9 +20,8 @@ from analytic.effects import (
     rig_with,
     transmission_with,
 )
-from analytic.motion import BeamMotion, FloatArray, State, beam_states
+from analytic.motion import BeamMotion, FloatArray, SplineMotion, State, beam_states
 from analytic.rig import Rig
-from harness.simulator.acting import laws_with
 from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Constants
 from harness.simulator.effect_force import force_with
 from harness.simulator.effects import Effects, checked, listed
@@ -107,7 +107,7 @@ class Plant:
             rig=rig,
             rolling_resistance=self.rolling_resistance + value(ROLLING_RESISTANCE, 0.0),
             friction=value(CONTACT_SLIP, self.friction),
-            laws=laws_with(self.laws, effects, rig, turned_before),
+            laws=self.laws.with_effects(effects, rig, turned_before),
             linkage=replace(
                 self.linkage,
                 gain=self.linkage.gain * transmission.gain,
@@ -191,6 +191,18 @@ class Run:
     energy: FloatArray
     work: FloatArray
     dissipated: FloatArray
+
+    # A cubic Hermite spline through angles and rates meets a motion whose acceleration is constant in each step.
+
+    @property
+    def beam_motion(self) -> SplineMotion:
+        """The beam's motion as a function of time, to run another plant or an engine with it."""
+        return SplineMotion(CubicHermiteSpline(self.time, self.angle, self.rate))
+
+    @property
+    def shaft_motion(self) -> SplineMotion:
+        """The motion of the measured shaft as a function of time."""
+        return SplineMotion(CubicHermiteSpline(self.time, self.shaft, self.shaft_rate))
 
 
 class Simulation:

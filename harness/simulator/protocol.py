@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -148,14 +147,7 @@ class Protocol:
 
 
 def perform(
-    protocol: Protocol,
-    plant: Plant,
-    servo: Servo,
-    controller: Controller,
-    sensors: Sensors,
-    seed: int,
-    *,
-    effects: Effects | None = None,
+    protocol: Protocol, plant: Plant, servo: Servo, controller: Controller, sensors: Sensors, seed: int
 ) -> tuple[Run, Record]:
     """Carry out an experiment in closed loop: the controller sees what is recorded, and nothing else.
 
@@ -168,17 +160,13 @@ def perform(
         controller: runs once for each reading of the sensors.
         sensors: what is read, and how often.
         seed: of the sensors' noise, and of how the ball lies at the start.
-        effects: what acts besides in plant and sensors.
 
     Returns:
         What happened, and what was recorded of it.
 
     Raises:
-        InputError: effects that cannot be.
         ValueError: the readings do not fall on plant steps.
     """
-    if effects:
-        plant, sensors = plant.with_effects(effects, turned_before=turned_before(seed)), sensors.with_effects(effects)
     stride = sensors.stride(plant.step)
     simulation = Simulation(plant, State(protocol.start, 0.0), protocol.duration)
     simulation.begin()
@@ -212,11 +200,6 @@ def recording_text(record: Record) -> str:
     for time, angle, position in zip(record.time, record.angle, record.position, strict=True):
         lines.append(f"{time:.4f},{angle:.7f},{'' if math.isnan(position) else f'{position:.4f}'}")
     return "\n".join(lines) + "\n"
-
-
-def write_recording(path: Path, record: Record) -> None:
-    """Write `recording_text` to `path`, byte for byte the same on every platform."""
-    path.write_text(recording_text(record), encoding="utf-8", newline="\n")
 
 
 def _generators(seed: int) -> tuple[np.random.Generator, np.random.Generator]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
 
-@dataclass(frozen=True, kw_only=True)
-class Servo:
+class Servo(NamedTuple):
     """A position servo, α̈ = ω₀² (α_c − α) − 2 ζ ω₀ α̇ as long as no limit acts.
 
     Attributes:
@@ -37,31 +36,16 @@ class Servo:
             rate: α̇, likewise [rad/s].
             acceleration: α̈ from each instant on, shape (n + 1,); all are filled [rad/s²].
         """
-        _follow(
-            command,
-            dt,
-            self.natural_frequency / (2.0 * self.damping),
-            2.0 * self.damping * self.natural_frequency,
-            self.rate_limit,
-            self.acceleration_limit,
-            angle,
-            rate,
-            acceleration,
-        )
+        _follow(self, command, dt, angle, rate, acceleration)
 
 
 @njit(cache=True)
 def _follow(
-    command: float,
-    dt: float,
-    position_gain: float,
-    rate_gain: float,
-    rate_limit: float,
-    acceleration_limit: float,
-    angle: FloatArray,
-    rate: FloatArray,
-    acceleration: FloatArray,
+    servo: Servo, command: float, dt: float, angle: FloatArray, rate: FloatArray, acceleration: FloatArray
 ) -> None:
+    position_gain = servo.natural_frequency / (2.0 * servo.damping)
+    rate_gain = 2.0 * servo.damping * servo.natural_frequency
+    rate_limit, acceleration_limit = servo.rate_limit, servo.acceleration_limit
     for i in range(angle.size):
         wanted = min(max(position_gain * (command - angle[i]), -rate_limit), rate_limit)
         acceleration[i] = min(max(rate_gain * (wanted - rate[i]), -acceleration_limit), acceleration_limit)

@@ -22,22 +22,10 @@ from analytic.law import (
     dry_limit,
     normal_force,
 )
-from analytic.models import (
-    CAM,
-    CUM,
-    CUM_LINEAR,
-    FRICTION,
-    ORIGIN,
-    SHAPE,
-    SHAPE_COUNT,
-    SHAPE_LOW,
-    SHAPE_NODES,
-    SHAPE_STEP,
-    Reading,
-    coefficients,
-)
+from analytic.models import CAM, CUM, CUM_LINEAR, FRICTION, Reading, coefficients
 from analytic.motion import FloatArray
 from analytic.rig import Rig
+from analytic.slots import ORIGIN, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP
 
 RIG = Rig(level_angle=0.01)
 K, G, M, r = RIG.rolling_ratio, RIG.gravity, RIG.mass, RIG.rolling_radius

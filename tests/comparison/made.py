@@ -24,8 +24,8 @@ from harness.simulator import (
     Servo,
     perform,
     record,
+    recording_text,
     simulate,
-    write_recording,
 )
 from tests.motions import Sines
 
@@ -98,7 +98,7 @@ def write_case(
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "rig.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
     for number, (_, recorded) in enumerate(made, start=1):
-        write_recording(folder / f"rec_{number:02d}.csv", recorded)
+        (folder / f"rec_{number:02d}.csv").write_text(recording_text(recorded), encoding="utf-8", newline="\n")
     return Made(folder, tuple(run for run, _ in made))
 
 

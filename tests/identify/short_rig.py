@@ -20,7 +20,7 @@ from harness.recording import Case, load_case, load_recording
 from harness.signals.drive import QuinticMotion
 from harness.simulator import Experiment, write_case
 from harness.simulator.plant import Run, simulate
-from harness.simulator.protocol import record, write_recording
+from harness.simulator.protocol import record, recording_text
 
 ROLLING, LEVEL, RADIUS, GAIN = "rolling_resistance", "level_error", "rolling_radius", "position_gain"
 DECLARED = {ROLLING: {"coefficient": 0.002}}
@@ -59,7 +59,8 @@ class Short:
         """What its sensors write down, read as any recording is."""
         path = self.folder / "new.csv"
         sensors = self.experiment.sensors
-        write_recording(path, record(run, replace(sensors, laser=replace(sensors.laser, near=0.0, far=1.0)), seed))
+        written = record(run, replace(sensors, laser=replace(sensors.laser, near=0.0, far=1.0)), seed)
+        path.write_text(recording_text(written), encoding="utf-8", newline="\n")
         return PreparedRecording.of(observe(load_recording(path), self.case.sensors, self.problem.rig))
 
 

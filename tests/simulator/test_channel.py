@@ -34,7 +34,8 @@ PROTOCOL = Protocol(0.36, ((0.5, 0.45), (3.0, 0.3)), 6.0)
 
 def performed(name: str, **values: float) -> tuple[Run, Record]:
     """A closed-loop experiment with sensors that make no error but this effect."""
-    return perform(PROTOCOL, Plant(), Servo(), Controller(), EXACT, 1, effects={name: values})
+    effects = {name: values}
+    return perform(PROTOCOL, Plant().with_effects(effects), Servo(), Controller(), EXACT.with_effects(effects), 1)
 
 
 def shift(time: FloatArray, early: FloatArray, late: FloatArray) -> float:

@@ -11,7 +11,7 @@ import pytest
 from analytic.effects import CATALOGUE
 from analytic.motion import State
 from harness.errors import InputError
-from harness.simulator import UNLISTED, Experiment, Plant, Sensors, shaft_motion, simulate
+from harness.simulator import UNLISTED, Experiment, Plant, Sensors, simulate
 from harness.simulator.effects import DEPENDENCES
 from tests.simulator.acting import EACH, EACH_UNLISTED, rolled
 from tests.simulator.motions import Sines
@@ -114,7 +114,7 @@ def test_experiment_step_is_fine_enough(name: str) -> None:
     plant = experiment.plant(seed, experiment.acting)
     run, _ = experiment.carried_out(seed)
     start = State(float(run.position[0]), 0.0)
-    fine = simulate(replace(plant, step=plant.step / 4), shaft_motion(run), start, 6.0)
+    fine = simulate(replace(plant, step=plant.step / 4), run.shaft_motion, start, 6.0)
     assert np.max(np.abs(fine.position[::4] - run.position)) < 0.01 * experiment.position_noise
 
 

@@ -13,7 +13,7 @@ import pytest
 from analytic.motion import FloatArray, State
 from harness.errors import InputError
 from harness.recording import load_case
-from harness.simulator import Experiment, SimulatedRecording, shaft_motion, simulate, truth, write_case
+from harness.simulator import Experiment, SimulatedRecording, simulate, truth, write_case
 from harness.simulator.protocol import turned_before
 from tests.shared_data import CASES
 from tests.simulator.acting import EACH, EACH_UNLISTED
@@ -74,7 +74,7 @@ def test_every_effect_shows_in_its_case(name: str) -> None:
     seed = experiment.seeds[0]
     run, record = experiment.carried_out(seed)
     bare = simulate(
-        experiment.plant(seed, {}), shaft_motion(run), State(float(run.position[0]), 0.0), experiment.duration
+        experiment.plant(seed, {}), run.shaft_motion, State(float(run.position[0]), 0.0), experiment.duration
     )
     error = np.sqrt(np.mean((record.position - bare.position[::50]) ** 2))
     assert error > 3 * experiment.position_noise

@@ -16,7 +16,6 @@ from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.simulator import Plant, simulate
 from harness.simulator.bundled import LEVEL_ANGLE, ROLLING_RESISTANCE, perform_all
-from harness.simulator.replay import beam_motion
 from tests.simulator.motions import Fixed, Sines
 
 RIG = Rig()
@@ -79,7 +78,7 @@ def test_bundled_plant_is_converged_at_its_step() -> None:
     """Keep the bundled recordings' truth, with its stops and starts, within 0.1 µm of a four times finer step."""
     for run, _ in perform_all().values():
         plant = Plant(rig=Rig(level_angle=LEVEL_ANGLE), rolling_resistance=ROLLING_RESISTANCE, step=2.5e-5)
-        fine = simulate(plant, beam_motion(run), State(float(run.position[0]), 0.0), float(run.time[-1]))
+        fine = simulate(plant, run.beam_motion, State(float(run.position[0]), 0.0), float(run.time[-1]))
         # A turning point is found to dt/1024 = 0.1 µs; resistance of the wrong sign for so long changes ṡ by
         # 2 c g K · 0.1 µs = 4.5 nm/s. Rolling on for the rest of 14 s makes 60 nm; the next rest forgets it.
         assert np.max(np.abs(fine.position[::4] - run.position)) < 1e-7
@@ -158,7 +157,7 @@ def test_applied_force_moves_the_ball(
 
 
 def test_plant_shares_no_model_with_the_ones_under_test() -> None:
-    """Import from outside only what names and describes; only the ball of an engine may know the engines."""
+    """Import from outside only what names and describes."""
     imported: dict[str, set[str]] = {}
     for source in Path(virtual_rig.__file__).parent.glob("*.py"):
         modules = imported.setdefault(source.stem, set())
@@ -171,8 +170,6 @@ def test_plant_shares_no_model_with_the_ones_under_test() -> None:
         ours = {module for module in modules if module.split(".")[0] in ("analytic", "harness", "mjcf", "urdf")}
         # analytic.compiled holds no equation: it is numba's decorator with a cache
         allowed = {"analytic.compiled", "analytic.motion", "analytic.rig", "harness.errors"}
-        if name == "engine_ball":
-            allowed.add("harness.engines.catalogue")
         assert {module for module in ours if not module.startswith("harness.simulator")} <= allowed, name
 
 
@@ -193,14 +190,14 @@ def test_servo_motion_drives_the_plant_like_any_motion() -> None:
     """Follow eq. 14 under the servo's motion to second order, because the jumps of its α̈ fall between steps."""
     run, _ = next(iter(perform_all().values()))
     start, duration = State(0.36, 0.0), 6.0
-    coarse, fine = (simulate(Plant(step=step), beam_motion(run), start, duration) for step in (1e-4, 5e-5))
+    coarse, fine = (simulate(Plant(step=step), run.beam_motion, start, duration) for step in (1e-4, 5e-5))
     own_error = 4 / 3 * np.max(np.abs(coarse.position - fine.position[::2]))  # of the coarser run
     # classical Runge–Kutta on the servo's own steps, in which α̈ is constant: error (ω dt)⁴ = 1e-13, so 1e-11 m for
     # rounding over 6e4 steps
     position, velocity = start.position, start.velocity
     half = 0.5 * (coarse.time[1] - coarse.time[0])
     places = np.arange(2 * coarse.time.size - 1) * half
-    angle, rate = beam_motion(run).evaluate(places), beam_motion(run).derivative(places)
+    angle, rate = run.beam_motion.evaluate(places), run.beam_motion.derivative(places)
     acceleration = run.acceleration.repeat(2)
     lever = RIG.eccentricity + RIG.rolling_radius + RIG.inertia / (RIG.mass * RIG.rolling_radius)
     expected = [position]

@@ -17,7 +17,6 @@ from harness.errors import InputError
 from harness.simulator.experiment import Mover
 from harness.simulator.laws import Laws, ball_torque, dahl, force_along, resistance_coefficients, track_tilt
 from harness.simulator.plant import Plant, Run
-from harness.simulator.replay import beam_motion
 
 GRIPS = 0.1  # μ below which a ball may slide, which no force along the beam can stand for
 
@@ -40,7 +39,7 @@ class Resistance:
         """Force on the ball along the beam [N] at s [m], ṡ [m/s], φ − α [rad], t [s], pressed on by N [N]."""
         places, dt = self._places, self._dt
         way = s - places[-1] if places else 0.0
-        if self._laws.presliding:
+        if self._laws.presliding_hysteresis_coefficient:
             self._stretch, _ = dahl(self._stretch, way, normal_force, self._laws)
         speed, drive = (way / dt, 0.0) if places else (v, 0.0)
         if len(places) > 1:
@@ -50,7 +49,7 @@ class Resistance:
         plus, minus = ((self._coefficient + c) * normal_force / self._inertia for c in (c_plus, c_minus))
         self._resisted = self._inertia * _mean_resistance(speed, drive, plus, minus, dt)
         pressed = 1.0 if normal_force > 0.0 else 0.0
-        return self._resisted - pressed * self._laws.presliding_stiffness * self._stretch
+        return self._resisted - pressed * self._laws.presliding_hysteresis_stiffness * self._stretch
 
 
 def _mean_resistance(speed: float, drive: float, plus: float, minus: float, dt: float) -> float:
@@ -122,7 +121,7 @@ def engine_mover(name: str, *, time_step: float = 5e-4) -> Mover:
     settings = engine.parameters(time_step=time_step)
 
     def move(run: Run, plant: Plant, start: State, stamps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        motion = beam_motion(run)
+        motion = run.beam_motion
         force = force_in_engine(plant, motion, start, stamps, time_step)
         moved = engine.run(plant.rig, motion, start, stamps, parameters=settings, force=force).trajectory
         return moved.position, moved.velocity

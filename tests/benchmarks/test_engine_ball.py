@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.calibration.engine_ball import engine_mover
 from harness.errors import InputError
 from harness.simulator import Experiment
-from harness.simulator.engine_ball import engine_mover
 from tests.simulator.acting import EACH, EACH_UNLISTED
 
 # What a force along the beam stands for exactly is left with the errors of engine and plant: below 1 µm each in 6 s at
