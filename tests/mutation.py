@@ -37,6 +37,7 @@ from typing import Any
 
 import libcst as cst
 import pytest
+from hypothesis import HealthCheck, settings
 from libcst.metadata import MetadataWrapper, PositionProvider
 from mutmut.mutation.mutators import mutation_operators
 
@@ -45,6 +46,9 @@ RESULTS = ROOT / "build" / "mutants"
 OWN = ("analytic", "harness", "mjcf", "urdf", "tests")
 MEMORY = 8 * 2**30  # a mutant may ask for any array [byte]
 SLACK = 20.0  # for imports and collection [s]
+# What costs time and is not needed: the fixtures of whole cases, and the plugin under test elsewhere.
+OPTIONS = ("-p", "no:cacheprovider", "-p", "no:harness", "--noconftest")
+settings.register_profile("mutants", derandomize=True, database=None, deadline=None, suppress_health_check=HealthCheck)
 
 
 @dataclass(frozen=True)
@@ -186,10 +190,9 @@ def forked(tests: Sequence[str], plugin: object, seconds: float, finder: Finder 
             if finder is not None:
                 sys.meta_path.insert(0, finder)
                 importlib.import_module(finder.name)  # now: pytest's own finder would take it from its file
+            settings.load_profile("mutants")
             stop = [] if finder is None else ["-x"]
-            status = int(
-                pytest.main(["-q", *stop, "-p", "no:cacheprovider", "--hypothesis-seed=0", *tests], plugins=[plugin])
-            )
+            status = int(pytest.main(["-q", *stop, *OPTIONS, *tests], plugins=[plugin]))
             if report is not None and isinstance(plugin, Timing):
                 cost = {name: cost for name, cost in plugin.cost.items() if name not in plugin.failed}
                 loaded = [name for name in sys.modules if name.partition(".")[0] not in OWN]
@@ -220,10 +223,10 @@ def baseline(target: Target, longest: float) -> dict[str, Any]:
     return dict(json.loads(report.read_text()))
 
 
-def run_module(module: str, target: Target, settings: dict[str, Any], options: argparse.Namespace) -> None:
+def run_module(module: str, target: Target, table: dict[str, Any], options: argparse.Namespace) -> None:
     """Run mutants of one module, print those that survive, and keep the results."""
     os.environ["NUMBA_DISABLE_JIT"] = str(int(not target.jit))
-    known = baseline(target, settings["longest_test_s"])
+    known = baseline(target, table["longest_test_s"])
     for name in known["loaded"]:
         try:
             importlib.import_module(name)
@@ -234,7 +237,7 @@ def run_module(module: str, target: Target, settings: dict[str, Any], options: a
     plugin, seconds = Cheapest(known["cost"]), 3.0 * sum(known["cost"].values()) + SLACK
     if not known["cost"] or not forked(target.tests, plugin, seconds, Finder(file, source), None):
         raise SystemExit(f"{module}: the tests do not pass on the module as it is")
-    mutants = mutants_of(source, settings["without_operators"])
+    mutants = mutants_of(source, table["without_operators"])
     count = len(mutants)
     kept = RESULTS / f"{module.replace('/', '.')}.json"
     before: dict[int, dict[str, Any]] = {}
@@ -274,8 +277,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the drawing")
     parser.add_argument("--survivors", action="store_true", help="run those again that survived the last time")
     options = parser.parse_args()
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mutation"]
-    targets = [Target(tuple(one["modules"]), tuple(one["tests"]), one["jit"]) for one in settings["targets"]]
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mutation"]
+    targets = [Target(tuple(one["modules"]), tuple(one["tests"]), one["jit"]) for one in table["targets"]]
     target_of = {module: target for target in targets for module in target.modules}
     unknown = set(options.modules) - set(target_of)
     if unknown:
@@ -290,7 +293,7 @@ def main() -> None:
         if not child:
             status = 1
             try:
-                run_module(module, target_of[module], settings, options)
+                run_module(module, target_of[module], table, options)
                 status = 0
             except SystemExit as stop:
                 print(stop, file=sys.stderr, flush=True)
