@@ -66,15 +66,26 @@ class Target:
     jit: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mutant:
-    """One change of a source: its number among all, where it is, and the two pieces of code."""
+    """One change of a module: its number among all, its line, and the node that takes another's place."""
 
     number: int
     line: int
-    before: str
-    after: str
-    source: str
+    module: cst.Module
+    node: cst.CSTNode
+    changed: cst.CSTNode
+
+    def source(self) -> str:
+        """The module with this change."""
+        return self.module.deep_replace(self.node, self.changed).code
+
+    def described(self, killed: bool) -> dict[str, Any]:
+        """What is kept of it: the lines that differ, before and after, and whether a test noticed."""
+        lines = [self.module.code.splitlines(), self.source().splitlines()]
+        both = list(difflib.unified_diff(*lines, lineterm="", n=0))[3:]
+        before, after = (" ⏎ ".join(line[1:].strip() for line in both if line[0] == sign) for sign in "-+")
+        return {"number": self.number, "line": self.line, "before": before, "after": after, "killed": killed}
 
 
 class Places(cst.CSTVisitor):
@@ -82,31 +93,21 @@ class Places(cst.CSTVisitor):
 
     METADATA_DEPENDENCIES = (PositionProvider,)
 
-    def __init__(self, operators: Sequence[tuple[type, Callable[[Any], Iterable[cst.CSTNode]]]]) -> None:
+    def __init__(self, module: cst.Module, operators: Sequence[tuple[type, Callable[[Any], Iterable[cst.CSTNode]]]]):
         super().__init__()
+        self.module = module
         self.operators = operators
-        self.found: list[tuple[int, str, str, str]] = []
-        self.module = cst.Module([])
+        self.found: list[Mutant] = []
 
     def on_visit(self, node: cst.CSTNode) -> bool:
         """Note the changes of one node."""
         if isinstance(node, cst.Annotation | cst.Decorator):
             return False
-        if isinstance(node, cst.Module):
-            self.module = node
         for kind, operator in self.operators:
             for changed in operator(node) if isinstance(node, kind) else ():
-                source = self.module.deep_replace(node, changed).code
                 line = self.get_metadata(PositionProvider, node).start.line
-                self.found.append((line, *differing(self.module.code, source), source))
+                self.found.append(Mutant(len(self.found), line, self.module, node, changed))
         return True
-
-
-def differing(before: str, after: str) -> tuple[str, str]:
-    """The lines that differ, of either."""
-    lines = [line for line in difflib.ndiff(before.splitlines(), after.splitlines()) if line[0] in "+-"]
-    one, other = (" ⏎ ".join(line[2:].strip() for line in lines if line[0] == sign) for sign in "-+")
-    return one, other
 
 
 class Finder(MetaPathFinder):
@@ -205,9 +206,9 @@ def forked(tests: Sequence[str], plugin: object, seconds: float, finder: Finder 
 def mutants_of(source: str, without: Sequence[str]) -> list[Mutant]:
     """All mutants of a source in the order of its lines, but those that these operators make."""
     tree = MetadataWrapper(cst.parse_module(source))
-    places = Places([pair for pair in mutation_operators if pair[1].__name__ not in without])
+    places = Places(tree.module, [pair for pair in mutation_operators if pair[1].__name__ not in without])
     tree.visit(places)
-    return [Mutant(number, *place) for number, place in enumerate(places.found)]
+    return places.found
 
 
 def baseline(target: Target, longest: float) -> dict[str, Any]:
@@ -248,11 +249,10 @@ def run_module(module: str, target: Target, table: dict[str, Any], options: argp
         mutants = random.Random(f"{options.seed} {module}").sample(mutants, options.sample)
     done = {}
     for one in sorted(mutants, key=lambda one: one.number):
-        killed = not forked(target.tests, plugin, seconds, Finder(file, one.source), None)
-        done[one.number] = {"number": one.number, "line": one.line, "before": one.before, "after": one.after}
-        done[one.number]["killed"] = killed
+        killed = not forked(target.tests, plugin, seconds, Finder(file, one.source()), None)
+        done[one.number] = one.described(killed)
         if not killed:
-            print(f"  {module}:{one.line}: {one.before}  →  {one.after}", flush=True)
+            print(f"  {module}:{one.line}: {done[one.number]['before']}  →  {done[one.number]['after']}", flush=True)
     results = list((before | done).values())
     kept.write_text(json.dumps({"module": module, "of": count, "mutants": results}, indent=1, ensure_ascii=False))
     print(row(module, count, len(results), sum(one["killed"] for one in results), len(known["cost"])), flush=True)

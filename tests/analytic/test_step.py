@@ -299,9 +299,10 @@ def test_presliding_ends_as_rolling_resistance(sign: float) -> None:
     np.testing.assert_allclose(found[1:, 0], ends, rtol=0.0, atol=1e-12)
 
 
-def test_presliding_stretches_exactly_within_a_step() -> None:
+@pytest.mark.parametrize("v0", [0.05, 1.0])
+def test_presliding_stretches_exactly_within_a_step(v0: float) -> None:
     """Pull after half a step at ṡ with c m g (1 − e^(−σ ṡ h/2 / (c m g))), over the whole step."""
-    c, stiffness, v0 = 0.01, 5.0, 0.05
+    c, stiffness = 0.01, 5.0
     ((s, v),) = stepped((0.3, v0), ("presliding_hysteresis", {"coefficient": c, "stiffness": stiffness}))
     pull = K * c * G * (1.0 - math.exp(-stiffness * v0 * 0.5 * H / (c * M * G)))
     assert v == pytest.approx(v0 - H * pull, abs=ROUNDING)
