@@ -37,6 +37,7 @@ from typing import Any
 
 import libcst as cst
 import pytest
+from hypothesis import HealthCheck, settings
 from libcst.metadata import MetadataWrapper, PositionProvider
 from mutmut.mutation.mutators import mutation_operators
 
@@ -45,6 +46,9 @@ RESULTS = ROOT / "build" / "mutants"
 OWN = ("analytic", "harness", "mjcf", "urdf", "tests")
 MEMORY = 8 * 2**30  # a mutant may ask for any array [byte]
 SLACK = 20.0  # for imports and collection [s]
+# What costs time and is not needed: the fixtures of whole cases, and the plugin under test elsewhere.
+OPTIONS = ("-p", "no:cacheprovider", "-p", "no:harness", "--noconftest")
+settings.register_profile("mutants", derandomize=True, database=None, deadline=None, suppress_health_check=HealthCheck)
 
 
 @dataclass(frozen=True)
@@ -62,15 +66,26 @@ class Target:
     jit: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mutant:
-    """One change of a source: its number among all, where it is, and the two pieces of code."""
+    """One change of a module: its number among all, its line, and the node that takes another's place."""
 
     number: int
     line: int
-    before: str
-    after: str
-    source: str
+    module: cst.Module
+    node: cst.CSTNode
+    changed: cst.CSTNode
+
+    def source(self) -> str:
+        """The module with this change."""
+        return self.module.deep_replace(self.node, self.changed).code
+
+    def described(self, killed: bool) -> dict[str, Any]:
+        """What is kept of it: the lines that differ, before and after, and whether a test noticed."""
+        lines = [self.module.code.splitlines(), self.source().splitlines()]
+        both = list(difflib.unified_diff(*lines, lineterm="", n=0))[3:]
+        before, after = (" ⏎ ".join(line[1:].strip() for line in both if line[0] == sign) for sign in "-+")
+        return {"number": self.number, "line": self.line, "before": before, "after": after, "killed": killed}
 
 
 class Places(cst.CSTVisitor):
@@ -78,31 +93,21 @@ class Places(cst.CSTVisitor):
 
     METADATA_DEPENDENCIES = (PositionProvider,)
 
-    def __init__(self, operators: Sequence[tuple[type, Callable[[Any], Iterable[cst.CSTNode]]]]) -> None:
+    def __init__(self, module: cst.Module, operators: Sequence[tuple[type, Callable[[Any], Iterable[cst.CSTNode]]]]):
         super().__init__()
+        self.module = module
         self.operators = operators
-        self.found: list[tuple[int, str, str, str]] = []
-        self.module = cst.Module([])
+        self.found: list[Mutant] = []
 
     def on_visit(self, node: cst.CSTNode) -> bool:
         """Note the changes of one node."""
         if isinstance(node, cst.Annotation | cst.Decorator):
             return False
-        if isinstance(node, cst.Module):
-            self.module = node
         for kind, operator in self.operators:
             for changed in operator(node) if isinstance(node, kind) else ():
-                source = self.module.deep_replace(node, changed).code
                 line = self.get_metadata(PositionProvider, node).start.line
-                self.found.append((line, *differing(self.module.code, source), source))
+                self.found.append(Mutant(len(self.found), line, self.module, node, changed))
         return True
-
-
-def differing(before: str, after: str) -> tuple[str, str]:
-    """The lines that differ, of either."""
-    lines = [line for line in difflib.ndiff(before.splitlines(), after.splitlines()) if line[0] in "+-"]
-    one, other = (" ⏎ ".join(line[2:].strip() for line in lines if line[0] == sign) for sign in "-+")
-    return one, other
 
 
 class Finder(MetaPathFinder):
@@ -186,10 +191,9 @@ def forked(tests: Sequence[str], plugin: object, seconds: float, finder: Finder 
             if finder is not None:
                 sys.meta_path.insert(0, finder)
                 importlib.import_module(finder.name)  # now: pytest's own finder would take it from its file
+            settings.load_profile("mutants")
             stop = [] if finder is None else ["-x"]
-            status = int(
-                pytest.main(["-q", *stop, "-p", "no:cacheprovider", "--hypothesis-seed=0", *tests], plugins=[plugin])
-            )
+            status = int(pytest.main(["-q", *stop, *OPTIONS, *tests], plugins=[plugin]))
             if report is not None and isinstance(plugin, Timing):
                 cost = {name: cost for name, cost in plugin.cost.items() if name not in plugin.failed}
                 loaded = [name for name in sys.modules if name.partition(".")[0] not in OWN]
@@ -202,9 +206,9 @@ def forked(tests: Sequence[str], plugin: object, seconds: float, finder: Finder 
 def mutants_of(source: str, without: Sequence[str]) -> list[Mutant]:
     """All mutants of a source in the order of its lines, but those that these operators make."""
     tree = MetadataWrapper(cst.parse_module(source))
-    places = Places([pair for pair in mutation_operators if pair[1].__name__ not in without])
+    places = Places(tree.module, [pair for pair in mutation_operators if pair[1].__name__ not in without])
     tree.visit(places)
-    return [Mutant(number, *place) for number, place in enumerate(places.found)]
+    return places.found
 
 
 def baseline(target: Target, longest: float) -> dict[str, Any]:
@@ -220,10 +224,10 @@ def baseline(target: Target, longest: float) -> dict[str, Any]:
     return dict(json.loads(report.read_text()))
 
 
-def run_module(module: str, target: Target, settings: dict[str, Any], options: argparse.Namespace) -> None:
+def run_module(module: str, target: Target, table: dict[str, Any], options: argparse.Namespace) -> None:
     """Run mutants of one module, print those that survive, and keep the results."""
     os.environ["NUMBA_DISABLE_JIT"] = str(int(not target.jit))
-    known = baseline(target, settings["longest_test_s"])
+    known = baseline(target, table["longest_test_s"])
     for name in known["loaded"]:
         try:
             importlib.import_module(name)
@@ -234,7 +238,7 @@ def run_module(module: str, target: Target, settings: dict[str, Any], options: a
     plugin, seconds = Cheapest(known["cost"]), 3.0 * sum(known["cost"].values()) + SLACK
     if not known["cost"] or not forked(target.tests, plugin, seconds, Finder(file, source), None):
         raise SystemExit(f"{module}: the tests do not pass on the module as it is")
-    mutants = mutants_of(source, settings["without_operators"])
+    mutants = mutants_of(source, table["without_operators"])
     count = len(mutants)
     kept = RESULTS / f"{module.replace('/', '.')}.json"
     before: dict[int, dict[str, Any]] = {}
@@ -245,11 +249,10 @@ def run_module(module: str, target: Target, settings: dict[str, Any], options: a
         mutants = random.Random(f"{options.seed} {module}").sample(mutants, options.sample)
     done = {}
     for one in sorted(mutants, key=lambda one: one.number):
-        killed = not forked(target.tests, plugin, seconds, Finder(file, one.source), None)
-        done[one.number] = {"number": one.number, "line": one.line, "before": one.before, "after": one.after}
-        done[one.number]["killed"] = killed
+        killed = not forked(target.tests, plugin, seconds, Finder(file, one.source()), None)
+        done[one.number] = one.described(killed)
         if not killed:
-            print(f"  {module}:{one.line}: {one.before}  →  {one.after}", flush=True)
+            print(f"  {module}:{one.line}: {done[one.number]['before']}  →  {done[one.number]['after']}", flush=True)
     results = list((before | done).values())
     kept.write_text(json.dumps({"module": module, "of": count, "mutants": results}, indent=1, ensure_ascii=False))
     print(row(module, count, len(results), sum(one["killed"] for one in results), len(known["cost"])), flush=True)
@@ -274,8 +277,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the drawing")
     parser.add_argument("--survivors", action="store_true", help="run those again that survived the last time")
     options = parser.parse_args()
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mutation"]
-    targets = [Target(tuple(one["modules"]), tuple(one["tests"]), one["jit"]) for one in settings["targets"]]
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mutation"]
+    targets = [Target(tuple(one["modules"]), tuple(one["tests"]), one["jit"]) for one in table["targets"]]
     target_of = {module: target for target in targets for module in target.modules}
     unknown = set(options.modules) - set(target_of)
     if unknown:
@@ -290,7 +293,7 @@ def main() -> None:
         if not child:
             status = 1
             try:
-                run_module(module, target_of[module], settings, options)
+                run_module(module, target_of[module], table, options)
                 status = 0
             except SystemExit as stop:
                 print(stop, file=sys.stderr, flush=True)

@@ -9,9 +9,11 @@ import pytest
 
 from analytic.effects import acting, parameters_with
 from analytic.kernel import Grid, integrate
-from analytic.models import CAM, Model
+from analytic.law import DRY_OF_TIME
+from analytic.models import CAM, SHAPE, Model
 from analytic.motion import FloatArray
 from analytic.rig import Rig
+from analytic.step import advance
 
 RIG = Rig()
 K, G, M, r = RIG.rolling_ratio, RIG.gravity, RIG.mass, RIG.rolling_radius
@@ -75,13 +77,26 @@ def test_centrifugal_force_is_the_hyperbola_up_to_fourth_order() -> None:
     assert v == pytest.approx(0.2 * even + 0.3 * y / H * odd, abs=ROUNDING)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_dry_friction_slows_a_ball_down(sign: float) -> None:
+@pytest.mark.parametrize("speed", [0.2, -0.2, 1.0, -1.0])
+def test_dry_friction_slows_a_ball_down(speed: float) -> None:
     """Lose K c g h either way, and half of that times h on the way."""
-    ((s, v),) = stepped((0.3, sign * 0.2), ("rolling_resistance", {"coefficient": 0.05}))
-    a = K * 0.05 * G
-    assert v == pytest.approx(sign * (0.2 - a * H), abs=ROUNDING)
-    assert s == pytest.approx(0.3 + sign * (0.2 * H - 0.5 * a * H**2), abs=ROUNDING)
+    ((s, v),) = stepped((0.3, speed), ("rolling_resistance", {"coefficient": 0.05}))
+    a = math.copysign(K * 0.05 * G, speed)
+    assert v == pytest.approx(speed - a * H, abs=ROUNDING)
+    assert s == pytest.approx(0.3 + speed * H - 0.5 * a * H**2, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_dry_friction_feels_the_normal_force_of_mid_step(sign: float) -> None:
+    """Press the ball by g cos α − s α̈ as at mid-step, where the smooth forces weigh start, middle and end 1, 4, 1."""
+    beam = ((0.3, 0.0, 4.0), (0.2, 0.0, 6.0), (0.1, 0.0, 2.0))
+    start, middle, end = (K * (G * math.sin(angle) - RIG.lever * angular) for angle, _, angular in beam)
+    limit = K * 0.05 * (G * math.cos(0.2) - 0.3 * 6.0)
+    ((s, v),) = stepped((0.3, sign * 0.2), ("rolling_resistance", {"coefficient": 0.05}), beam=beam)
+    smooth = (start + 4.0 * middle + end) / 6.0
+    assert v == pytest.approx(sign * 0.2 + H * (smooth - sign * limit), abs=ROUNDING)
+    moved = sign * 0.2 * H + H**2 * (start + 2.0 * middle) / 6.0 - 0.5 * sign * limit * H**2
+    assert s == pytest.approx(0.3 + moved, abs=ROUNDING)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -147,6 +162,20 @@ def test_friction_that_falls_with_speed_is_taken_at_mid_step(sign: float) -> Non
     assert s == pytest.approx(0.3 + sign * (v0 * H + 0.5 * H**2 * (pull - expected)), abs=ROUNDING)
 
 
+@pytest.mark.parametrize(("of_time", "c"), [(0.03, 0.08), (-0.03, 0.02), (-0.09, 0.0)])
+def test_friction_that_depends_on_time_stands_in_the_beams_table(of_time: float, c: float) -> None:
+    """Add the coefficient of mid-step to what is known, but never drive the ball."""
+    p = parameters_with(CAM, RIG, [acting("rolling_resistance", {"coefficient": 0.05})])
+    p[SHAPE] = DRY_OF_TIME
+    angle, angular = 0.2, 6.0
+    beam = np.array([(angle, 0.0, angular, at) for at in (9.0, of_time, 9.0)])
+    s, v, _ = advance(0.3, 0.2, 0.0, H, beam, 0, p)
+    normal = G * math.cos(angle) - 0.3 * angular
+    a = K * (G * math.sin(angle) - RIG.lever * angular - c * normal)
+    assert v == pytest.approx(0.2 + a * H, abs=ROUNDING)
+    assert s == pytest.approx(0.3 + 0.2 * H + 0.5 * a * H**2, abs=ROUNDING)
+
+
 def test_stribeck_friction_holds_by_its_static_coefficient() -> None:
     """Hold a ball at rest by the greater coefficient, also where both are."""
     values = {"static_coefficient": 0.03, "kinetic_coefficient": 0.0, "stribeck_velocity": 0.05}
@@ -183,15 +212,15 @@ def test_ball_with_grip_rolls_as_if_it_could_not_slip() -> None:
 STEEP = 3  # steps
 
 
-def slid(*effects: tuple[str, dict[str, float]], steps: int = 60) -> tuple[FloatArray, float, float]:
-    """ṡ at each stamp of a ball that slides down a steep beam for three steps, then on the level until it rolls again.
+def slid(sign: float, *effects: tuple[str, dict[str, float]], steps: int = 60) -> tuple[FloatArray, float, float]:
+    """Speed at each stamp of a ball that slides down a steep beam for three steps, then on until it rolls again.
 
     And what the slope gave the centre in ṡ, and the slip that it left: pull less friction. Friction that slows the
     centre by τ slows the slip by τ (1 + 1/ι).
     """
     tilt, grip = 0.5, 0.02 * RIG.radius / r * G
     table = np.zeros((2 * steps + 1, 3))
-    table[: 2 * STEEP, 0] = tilt
+    table[: 2 * STEEP, 0] = sign * tilt
     grid = Grid.over(H * np.arange(steps + 1), H)
     own = acting("contact_slip", {"friction_coefficient": 0.02})
     vector = parameters_with(CAM, RIG, [own, *(acting(name, values) for name, values in effects)])
@@ -199,12 +228,13 @@ def slid(*effects: tuple[str, dict[str, float]], steps: int = 60) -> tuple[Float
     # the smooth forces of a step weigh the beam at its end by a sixth, and that of the last steep step is level
     pull = G * math.sin(tilt) * (STEEP - 1.0 / 6.0) * H
     friction = grip * math.cos(tilt) * STEEP * H
-    return runs.velocity[0], pull - friction, pull - friction * (1.0 + 1.0 / IOTA)
+    return sign * runs.velocity[0], pull - friction, pull - friction * (1.0 + 1.0 / IOTA)
 
 
-def test_ball_that_slid_rolls_again() -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_ball_that_slid_rolls_again(sign: float) -> None:
     """Be braked by the grip until the slip ends, then keep what the centre of percussion had, ṡ − w/(1 + 1/ι)."""
-    v, first, slip = slid()
+    v, first, slip = slid(sign)
     grip = 0.02 * RIG.radius / r * G
     ends = slip / (grip * (1.0 + 1.0 / IOTA))
     assert 15 * H < ends < 50 * H
@@ -215,13 +245,14 @@ def test_ball_that_slid_rolls_again() -> None:
     assert v[after - 2] > v[after - 1] > v[after]
 
 
-def test_sliding_ball_is_braked_by_grip_alone_and_turned_by_resistance_too() -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_sliding_ball_is_braked_by_grip_alone_and_turned_by_resistance_too(sign: float) -> None:
     """Slide as without resistance, which brakes the turning by c N/(m ι), so that ṡ − w/(1 + 1/ι) falls by K c g.
 
     So it slides for longer, and in the end has lost what a ball that rolled all the time would have.
     """
     c = 0.005
-    (v, first, slip), (free, _, _) = slid(("rolling_resistance", {"coefficient": c})), slid()
+    (v, first, slip), (free, _, _) = slid(sign, ("rolling_resistance", {"coefficient": c})), slid(sign)
     np.testing.assert_allclose(v[: STEEP + 10], free[: STEEP + 10], rtol=0.0, atol=10 * ROUNDING)
     grip = 0.02 * RIG.radius / r * G
     braking = np.count_nonzero(np.isclose(np.diff(v)[STEEP:], -grip * H, rtol=1e-9, atol=0.0))
@@ -268,10 +299,34 @@ def test_presliding_ends_as_rolling_resistance(sign: float) -> None:
     np.testing.assert_allclose(found[1:, 0], ends, rtol=0.0, atol=1e-12)
 
 
-def test_presliding_stretches_exactly_within_a_step() -> None:
+@pytest.mark.parametrize("v0", [0.05, 1.0])
+def test_presliding_stretches_exactly_within_a_step(v0: float) -> None:
     """Pull after half a step at ṡ with c m g (1 − e^(−σ ṡ h/2 / (c m g))), over the whole step."""
-    c, stiffness, v0 = 0.01, 5.0, 0.05
+    c, stiffness = 0.01, 5.0
     ((s, v),) = stepped((0.3, v0), ("presliding_hysteresis", {"coefficient": c, "stiffness": stiffness}))
     pull = K * c * G * (1.0 - math.exp(-stiffness * v0 * 0.5 * H / (c * M * G)))
     assert v == pytest.approx(v0 - H * pull, abs=ROUNDING)
     assert s == pytest.approx(0.3 + v0 * H - 0.5 * H**2 * pull, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_presliding_pulls_by_the_normal_force_of_each_half_step(sign: float) -> None:
+    """Relax by half a step towards K c N/m before the pull acts and after it, N = m (g cos α − s α̈) then and there."""
+    c, stiffness, angle, angular = 0.01, 20.0, 0.3, 4.0
+    a = K * (G * math.sin(angle) - RIG.lever * angular)
+
+    def relaxed(pull: float, s: float, v: float) -> float:
+        limit = K * c * (G * math.cos(angle) - s * angular)
+        target = -math.copysign(limit, v)
+        return target + (pull - target) * math.exp(-K * stiffness / M * abs(v) * 0.5 * H / limit)
+
+    s, v, pull, expected = 0.3, sign * 0.2, 0.0, []
+    for _ in range(3):
+        pull = relaxed(pull, s, v)
+        s, v = s + v * H + 0.5 * H**2 * (a + pull), v + H * (a + pull)
+        pull = relaxed(pull, s, v)
+        expected.append((s, v))
+    values = {"coefficient": c, "stiffness": stiffness}
+    beam = ((angle, 0.0, angular),) * 3
+    found = stepped((0.3, sign * 0.2), ("presliding_hysteresis", values), beam=beam, steps=3)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=3 * ROUNDING)
