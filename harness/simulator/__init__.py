@@ -10,15 +10,7 @@ from harness.simulator.effects import UNLISTED, Effects
 from harness.simulator.experiment import Experiment, SimulatedRecording
 from harness.simulator.linkage import Linkage
 from harness.simulator.plant import Plant, Run, simulate
-from harness.simulator.protocol import (
-    Controller,
-    Protocol,
-    Record,
-    Sensors,
-    perform,
-    record,
-    recording_text,
-)
+from harness.simulator.protocol import Controller, Protocol, Record, Sensors, perform, record, recording_text
 from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
 

@@ -11,7 +11,7 @@ import math
 from importlib.resources import files
 from pathlib import Path
 
-from analytic import effects
+from analytic.effects import ROLLING_RESISTANCE as RESISTANCE
 from analytic.rig import Rig
 from harness.simulator.case_folder import ORIGIN
 from harness.simulator.plant import Plant, Run
@@ -78,7 +78,7 @@ def truth_text() -> str:
     """What acts in the recordings beyond the rig that `rig.toml` declares."""
     truth = {
         "origin": ORIGIN,
-        "effects": [{"name": effects.ROLLING_RESISTANCE.name, "parameters": {"coefficient": ROLLING_RESISTANCE}}],
+        "effects": [{"name": RESISTANCE.name, "parameters": {"coefficient": ROLLING_RESISTANCE}}],
         "unlisted": None,
         "declared": [],
     }

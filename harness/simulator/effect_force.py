@@ -6,11 +6,10 @@ import functools
 import inspect
 import math
 from collections.abc import Callable, Iterable
-from typing import cast
 
-import numba
 from numba.core.errors import NumbaError
 
+from analytic.compiled import njit
 from analytic.effects import Acting, Force
 from analytic.effects.force import QUANTITIES
 from harness.errors import InputError
@@ -48,7 +47,7 @@ def _applied(force: Force, values: tuple[tuple[str, float], ...], turned: float)
     plain = inspect.unwrap(force.law)
     names = list(inspect.signature(plain).parameters)[1:]
     given = tuple(dict(values)[name] for name in names)
-    compiled: Callable[..., float] = numba.njit(plain)
+    compiled: Callable[..., float] = njit(cache=False)(plain)
     low, high = force.over or QUANTITIES[force.by][1]
     float(compiled(low, *given))  # says what is wrong with it here
 
@@ -69,7 +68,7 @@ def _applied(force: Force, values: tuple[tuple[str, float], ...], turned: float)
 
 @functools.cache
 def _sum(first: AppliedForce, second: AppliedForce) -> AppliedForce:
-    one, other = (cast(AppliedForce, numba.njit(force)) for force in (first, second))
+    one, other = (njit(cache=False)(force) for force in (first, second))
 
     def both(s: float, v: float, angle: float, rolled: float, time: float) -> float:
         return one(s, v, angle, rolled, time) + other(s, v, angle, rolled, time)
