@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +11,7 @@ from analytic.effects import (
     ANGLE_GAIN,
     BALL_IMBALANCE,
     BEAM_COMPLIANCE,
+    CATALOGUE,
     CHANNEL_DELAY,
     CONTACT_SLIP,
     DIRECTIONAL_RESISTANCE,
@@ -27,6 +28,7 @@ from analytic.effects import (
     TRACK_BUMP,
     TRACK_CURVATURE,
     VISCOUS_DAMPING,
+    Effect,
 )
 from analytic.rig import Rig
 
@@ -71,7 +73,7 @@ class Scale:
 
 _AMID: Interval = (0.28, 0.38)  # where the ball passes most often in the moves of `harness.simulator.moves` [m]
 
-SCALES = {
+_OWN: Mapping[str, Scale] = {
     VISCOUS_DAMPING.name: Scale(middle={"coefficient": 0.03}),
     QUADRATIC_DRAG.name: Scale(middle={"coefficient": 0.2}),
     ROLLING_RESISTANCE.name: Scale(middle={"coefficient": 0.004}),
@@ -98,7 +100,34 @@ SCALES = {
     POSITION_GAIN.name: Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
     POSITION_LAG.name: Scale(middle={"time_constant": 0.04}),
 }
-"""Every effect of the catalogue, in its order."""
+
+
+def usual(effect: Effect) -> Scale:
+    """About the typical size: parameters with which the effect vanishes grow, the others stay."""
+    first, *_ = effect.parameters
+    growing = effect.strengths or {first.name}
+    neutral = first.neutral(Rig()) if callable(first.neutral) else first.neutral
+    return Scale(
+        middle={one.name: one.typical for one in effect.parameters if one.name in growing},
+        fixed={one.name: (one.typical, one.typical) for one in effect.parameters if one.name not in growing},
+        neutral=neutral,
+    )
+
+
+class _Scales(Mapping[str, Scale]):
+    """The scale of every effect of the catalogue, in its order; the usual one where it has none of its own."""
+
+    def __getitem__(self, name: str) -> Scale:
+        return _OWN.get(name) or usual(CATALOGUE[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(CATALOGUE)
+
+    def __len__(self) -> int:
+        return len(CATALOGUE)
+
+
+SCALES = _Scales()
 
 UNLISTED_SCALES: Mapping[str, Scale] = {
     "gust": Scale(middle={"force": 0.008}, fixed={"start": (3.0, 6.0), "end": (8.0, 13.0)}, signed=True),

@@ -10,9 +10,10 @@ import pytest
 from analytic.effects import acting, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.law import DRY_OF_TIME
-from analytic.models import CAM, SHAPE, Model
+from analytic.models import CAM, Model
 from analytic.motion import FloatArray
 from analytic.rig import Rig
+from analytic.slots import SHAPE
 from analytic.step import advance
 
 RIG = Rig()

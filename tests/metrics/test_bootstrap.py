@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from harness.metrics.paired import Margin, rms_reduction
+from harness.metrics.bootstrap import Margin, rms_reduction
 
 ERRORS = np.random.default_rng(1).normal(0.0, 0.01, 400)
 
