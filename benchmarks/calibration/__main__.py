@@ -86,8 +86,8 @@ def _line(row: Row) -> str:
     trial = row.trial
     what = f"{trial.study} {trial.name} {trial.size} #{trial.number} {trial.plant} {trial.encoder}"
     names = " + ".join(one.name for one in row.named) or "nothing"
-    curve = f" + a curve of {row.depends_on}" if row.depends_on else ""
-    return f"{what}: {row.error or names + curve} [{row.outcome}] {row.seconds:.0f} s"
+    spline = f" + a spline term of {row.depends_on}" if row.depends_on else ""
+    return f"{what}: {row.error or names + spline} [{row.outcome}] {row.seconds:.0f} s"
 
 
 if __name__ == "__main__":

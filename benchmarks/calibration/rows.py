@@ -20,7 +20,7 @@ class Outcome(StrEnum):
     PARTNER = "partner"  # another effect, which the result says cannot be told from the one that acts
     MORE = "more"  # all that acts, and an effect that does not
     OTHER = "other"  # something else, and it does not say so
-    UNLISTED = "unlisted"  # a curve, where the catalogue would have had it
+    UNLISTED = "unlisted"  # a spline term, where the catalogue has the effect
     NOTHING = "nothing"  # nothing, where something acts
     FAILED = "failed"  # the diagnosis ended with an error
 
@@ -71,7 +71,7 @@ class Row:
         source: digest of the sources that made the row.
         verdict: as in diagnosis.json; empty where it failed.
         named: the effects found.
-        depends_on: what an unlisted curve depends on.
+        depends_on: regressor of the spline term.
         unexplained: root density of the process noise over the angle's floor, before and after [1].
         seconds: that the diagnosis took.
         error: text of what went wrong.

@@ -182,7 +182,7 @@ def compare(
             seed=seed,
         )
         if limits is not None:
-            choices = limits.settle(choices)
+            choices = limits.applied_to(choices)
         # Entered first: what cannot be written need not be computed.
         with nullcontext() if out is None else all_or_nothing(Path(out)) as scratch:
             tell("drive and measured state", share=0.05)

@@ -78,7 +78,7 @@ def require(setting: Setting, tolerances: Tolerances) -> None:
 
     Raises:
         InputError: the tube differs, or a horizon is missing: the setting was not prepared with
-            `tolerances.settle(choices)`, or the recording is too short for the window.
+            `tolerances.applied_to(choices)`, or the recording is too short for the window.
     """
     tube = setting.choices.tolerance
     if tolerances.tube not in (None, tube):

@@ -74,7 +74,7 @@ def inspect(
     chosen = tuple((engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names))
     _refuse_unused(names, settings, limits)
     kept = limits.without(set(limits.engines) - set(names))
-    setting = prepare(case, kept.settle(Choices(recording=recording, lengths=())))
+    setting = prepare(case, kept.applied_to(Choices(recording=recording, lengths=())))
     require(setting, kept)
     _try_out(setting, chosen)
     return Inspection(

@@ -103,7 +103,7 @@ class Tolerances:
         dropped = set(sources)
         return replace(self, limits=tuple(limit for limit in self.limits if limit.source not in dropped))
 
-    def settle(self, choices: Choices) -> Choices:
+    def applied_to(self, choices: Choices) -> Choices:
         """`choices` with the windows and the tube that the limits require."""
         wanted = {*choices.lengths, *(limit.seconds for limit in self.limits if limit.seconds is not None)}
         tube = choices.tolerance if self.tube is None else self.tube

@@ -111,7 +111,7 @@ def test_a_limit_from_below_may_be_negative(tmp_path: Path) -> None:
 def test_limits_ask_for_their_windows_and_tube(tmp_path: Path) -> None:
     """Have the study run the windows that are limited, beside those asked for, with the file's tube."""
     tolerances = read_tolerances(written(tmp_path, '[tube]\ntolerance_m = 0.004\n[cam."0.5 s"]\ntube = 0.05\n'))
-    choices = tolerances.settle(Choices(lengths=(2.0,)))
+    choices = tolerances.applied_to(Choices(lengths=(2.0,)))
     assert (choices.lengths, choices.tolerance) == ((0.5, 2.0), 0.004)
 
 

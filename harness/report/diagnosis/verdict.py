@@ -31,7 +31,7 @@ def section(account: Account) -> Section:
         "sentence": sentence(account.diagnosis),
         "glance": _glance(account),
         "found": _found(account) if account.diagnosis.effects else None,
-        # Beside a curve nothing was tried again, and without it the process noise hides what is small.
+        # Beside a spline term no candidate was tried again, and without it the process noise hides what is small.
         "unseen": () if account.diagnosis.found.terms.spline is not None else account.diagnosis.unseen,
         "hidden": account.diagnosis.hidden,
         "picture": _picture(account),
