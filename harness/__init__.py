@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
     from harness.errors import EngineFailure, HarnessError, InputError
 
-_NAMES = {
-    "analytic.effects": ("Acting", "Effect", "Force", "Parameter"),
-    "harness.api.case": ("Case", "load_case"),
-    "harness.api.comparison": ("Comparison", "compare"),
-    "harness.api.diagnosis": ("Diagnosis", "diagnose"),
-    "harness.api.replay": ("Replayed", "replay"),
-    "harness.api.saved": ("LoadedDiagnosis", "load_diagnosis"),
-    "harness.errors": ("EngineFailure", "HarnessError", "InputError"),
+_NAMES = {  # in the order of docs/api.md
+    "harness.api.case": ("load_case", "Case"),
+    "harness.api.comparison": ("compare", "Comparison"),
+    "harness.api.diagnosis": ("diagnose", "Diagnosis"),
+    "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
+    "harness.api.replay": ("replay", "Replayed"),
+    "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
+    "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
