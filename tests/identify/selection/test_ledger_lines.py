@@ -60,6 +60,8 @@ def test_the_best_of_a_round_is_kept_and_all_are_written_down() -> None:
         (("rolling_resistance",), True),
         (("track_bump",), False),
     ]
+    compared = [(one.rule, one.fit, one.against) for one in ledger.lines]
+    assert compared == [(Rule.ADD, best, LEVEL), (Rule.ADD, second, LEVEL)]
     assert [one.evidence.winner for one in ledger.lines] == [best, best]
 
 
