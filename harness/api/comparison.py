@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
     from analytic.motion import State
     from harness.comparison import Study
-    from harness.engines.protocol import Engine, EngineParameters
+    from harness.engines.parameters import EngineParameters
+    from harness.engines.protocol import Engine
     from harness.recording import Case as CheckedCase
     from harness.tolerances import Checked, Tolerances
 

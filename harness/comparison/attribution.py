@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.comparison.setting import Setting
 from harness.comparison.sources import SourceRuns, run_engine
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.numerics import rms
 
 _MIN_ORDER, _MAX_ORDER = 1.0, 3.0  # first order is guaranteed; cancelling terms of order 1 and 2 may look like 3

@@ -14,7 +14,8 @@ from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.engines.health import Health
 from harness.engines.injection import force_of, motion_for_engine
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
 from harness.progress import Progress, silent
 

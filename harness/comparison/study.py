@@ -15,7 +15,8 @@ from harness.comparison.paper import Claim, Difference, Inputs, claims, differen
 from harness.comparison.setting import Setting
 from harness.comparison.sources import SourceRuns, run_all
 from harness.comparison.uncertainty import displacements, uncertainty
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
 from harness.metrics import RunComparison, Score, score
 from harness.numerics import rms

@@ -6,13 +6,16 @@ import importlib
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from analytic.naming import did_you_mean
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
 from harness.errors import InputError
+
+if TYPE_CHECKING:
+    from harness.engines.protocol import Engine
 
 # Imported on demand: an engine that is not used need not be installed.
 _CLASSES = {

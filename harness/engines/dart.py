@@ -25,7 +25,8 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.engines.chord import Pose, follow
 from harness.engines.leapfrog import Start, Track, spin_angle_of
-from harness.engines.protocol import Engine, EngineParameters, Task
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine, Task
 from harness.engines.watch import Samples
 from harness.errors import InputError
 from urdf.scene import rail_axis

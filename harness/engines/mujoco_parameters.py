@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from analytic.rig import Rig
-from harness.engines.protocol import EngineParameters
+from harness.engines.parameters import EngineParameters
 from mjcf.scene import (
     ACROSS,
     DAMPING_RATIO,

@@ -6,27 +6,14 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
-
 from analytic.geometry import RAIL_REACH
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
 from harness.engines.health import Health
 from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, start_of
+from harness.engines.parameters import EngineParameters
 from harness.engines.watch import Limits, Samples, judge, limits_of
 from harness.errors import InputError
-
-
-class EngineParameters(BaseModel):
-    """Settings of one engine. Field names are what the user types (`--set mujoco.friction=0.3`); each field has a
-    description with its unit, a default that attains the validated accuracy, and bounds."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    time_step: float = Field(1e-3, gt=0.0, le=0.02, description="integration step [s]")
-    slip_limit: float = Field(
-        0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
-    )
 
 
 @dataclass(frozen=True)

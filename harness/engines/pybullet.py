@@ -26,7 +26,8 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.engines.chord import Pose, follow
 from harness.engines.leapfrog import Start, Track, spin_angle_of
-from harness.engines.protocol import Engine, EngineParameters, Task
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine, Task
 from harness.engines.stderr import without_lines
 from harness.engines.watch import Samples
 from harness.errors import HarnessError

@@ -12,7 +12,8 @@ from typing import Any
 
 from harness.comparison import Choices, Setting, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of, read_settings
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.errors import EngineFailure, InputError
 from harness.recording import load_case
 from harness.tolerances.check import Checked, check, require

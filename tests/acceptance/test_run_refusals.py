@@ -56,7 +56,7 @@ def test_an_unreadable_rig(harness: Harness, case: Path, tmp_path: Path) -> None
 def test_an_unknown_parameter(harness: Harness, case: Path) -> None:
     """List the valid parameters."""
     done = harness("run", case, "--set", "mujoco.frction=0.3")
-    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "Parameters are: time_step, friction,")
+    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "Parameters are: time_step, slip_limit, friction,")
 
 
 def test_a_value_out_of_bounds(harness: Harness, case: Path) -> None:
@@ -99,7 +99,7 @@ def test_a_recording_without_positions(harness: Harness, case: Path, tmp_path: P
     lines = (case / "rec_01.csv").read_text().splitlines()
     rows = [lines[0], *(line.rsplit(",", 1)[0] + "," for line in lines[1:])]
     (tmp_path / "blind.csv").write_text("\n".join(rows))
-    assert_refused(harness("run", tmp_path / "blind.csv"), "blind.csv", "positions are known")
+    assert_refused(harness("run", tmp_path / "blind.csv"), "blind.csv", "3 known ball positions are needed")
 
 
 def test_a_file_where_the_folder_should_be(harness: Harness, case: Path, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from harness.engines.mujoco import MuJoCo
 from harness.engines.mujoco_parameters import MuJoCoParameters
-from harness.engines.protocol import EngineParameters
+from harness.engines.parameters import EngineParameters
 from harness.errors import InputError
 from tests.engines.test_mujoco import PAPER, STAMPS, START, bound, error
 from tests.motions import Ramp

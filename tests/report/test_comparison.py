@@ -13,7 +13,7 @@ from analytic.models import MODELS
 from harness.comparison import Choices, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.engines.health import Failure
-from harness.engines.protocol import EngineParameters
+from harness.engines.parameters import EngineParameters
 from harness.errors import EngineFailure
 from harness.recording import load_case
 from harness.report.comparison import SECTIONS, render_comparison

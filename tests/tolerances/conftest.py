@@ -7,7 +7,8 @@ import pytest
 from harness.comparison import Choices, Study, prepare, study
 from harness.engines.mujoco import MuJoCo
 from harness.engines.mujoco_parameters import MuJoCoParameters
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.engines.pybullet import PyBullet, PyBulletParameters
 from harness.recording import load_case
 from tests.tolerances.short_case import write_case

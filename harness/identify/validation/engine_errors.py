@@ -18,7 +18,8 @@ from analytic.rig import Rig
 from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
-from harness.engines.protocol import Engine, EngineParameters
+from harness.engines.parameters import EngineParameters
+from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
