@@ -56,7 +56,7 @@ def test_an_unreadable_rig(harness: Harness, case: Path, tmp_path: Path) -> None
 def test_an_unknown_parameter(harness: Harness, case: Path) -> None:
     """List the valid parameters."""
     done = harness("run", case, "--set", "mujoco.frction=0.3")
-    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "Parameters are: time_step, slip_limit, friction,")
+    assert_refused(done, "no parameter 'frction'", "Did you mean 'friction'?", "Parameters are: time_step, slip_limit,")
 
 
 def test_a_value_out_of_bounds(harness: Harness, case: Path) -> None:
