@@ -89,7 +89,7 @@ def test_a_record_holds_all_but_the_values(spline: SplineTerm) -> None:
     assert replace(again, nodes=spline.nodes).record() == spline.record()
     np.testing.assert_array_equal(again.places, spline.places)
     with pytest.raises(ValueError, match="99 nodes"):
-        SplineTerm.of({**spline.record(), "nodes": 99})
+        SplineTerm.of(spline.record().model_copy(update={"nodes": 99}))
 
 
 def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
@@ -129,5 +129,5 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...])
     read = hypothesis.terms(start, plain.problem)
     assert [value for one in read.effects for value in one.values.values()] == pytest.approx(list(known.values()))
     assert len(read.phases) == len(plain.problem.recordings)
-    assert read.shape is not None
-    np.testing.assert_allclose(read.shape.nodes, BENT.nodes, rtol=1e-12)
+    assert read.spline is not None
+    np.testing.assert_allclose(read.spline.nodes, BENT.nodes, rtol=1e-12)
