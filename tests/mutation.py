@@ -147,18 +147,25 @@ class Timing:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
         """Time one test with its fixtures."""
+        begin = time.process_time()
+        try:
+            return (yield)
+        finally:
+            self.cost[item.nodeid] = time.process_time() - begin
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> Iterator[None]:
+        """Break off a test, and nothing of pytest's own around it."""
 
         def stop(*_: object) -> None:
             raise pytest.skip.Exception("too long")  # which Hypothesis lets pass
 
         signal.signal(signal.SIGPROF, stop)
-        begin = time.process_time()
         signal.setitimer(signal.ITIMER_PROF, self.longest)
         try:
             return (yield)
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
-            self.cost[item.nodeid] = time.process_time() - begin
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note what did not pass."""
@@ -194,7 +201,7 @@ def forked(tests: Sequence[str], plugin: object, seconds: float, finder: Finder 
             settings.load_profile("mutants")
             stop = [] if finder is None else ["-x"]
             status = int(pytest.main(["-q", *stop, *OPTIONS, *tests], plugins=[plugin]))
-            if report is not None and isinstance(plugin, Timing):
+            if report is not None and isinstance(plugin, Timing) and status in (0, 1):  # it went to its end
                 cost = {name: cost for name, cost in plugin.cost.items() if name not in plugin.failed}
                 loaded = [name for name in sys.modules if name.partition(".")[0] not in OWN]
                 report.write_text(json.dumps({"cost": cost, "dropped": sorted(plugin.failed), "loaded": loaded}))
@@ -221,6 +228,8 @@ def baseline(target: Target, longest: float) -> dict[str, Any]:
     report = RESULTS / f"baseline-{key.hexdigest()[:16]}.json"
     if not report.exists():
         forked(target.tests, Timing(longest), 3600.0, None, report)
+    if not report.exists():
+        raise SystemExit(f"the tests {' '.join(target.tests)} do not run to their end")
     return dict(json.loads(report.read_text()))
 
 

@@ -97,6 +97,18 @@ def test_noise_at_rest_gives_no_lag():
         assert np.isnan(lag(TIME, noise, TIME, creep))
 
 
+@pytest.mark.parametrize(("noise", "told"), [(0.006, True), (0.06, False)])
+def test_lag_that_noise_hides_is_not_told(noise, told):
+    """Give the lag of 25 noisy readings if they tell it to a twentieth of a second, else NaN."""
+    # σ/(√n A ω/√2) is 0.014 s and 0.14 s at ω = 1.2 rad/s, against a tenth of the range of 0.5 s
+    for seed in range(10):
+        time = np.arange(0.0, 16.0, 0.6)
+        measured = 0.1 * np.sin(1.2 * time) + np.random.default_rng(seed).normal(0.0, noise, time.size)
+        found = lag(time, measured, TIME, 0.1 * np.sin(1.2 * (TIME - 0.04)))
+        assert np.isnan(found) != told
+        assert not told or abs(found - 0.04) < 4.0 * 0.014
+
+
 def test_lag_beyond_the_search_is_not_told():
     """Give NaN, not the end of the range, for a model 0.8 s late."""
     assert np.isnan(lag(TIME, motion(TIME), TIME, motion(TIME, 0.8), max_lag=0.5))

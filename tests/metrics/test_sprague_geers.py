@@ -84,3 +84,4 @@ def test_rest_has_no_relative_error():
     stuck = sprague_geers(np.ones(5), np.zeros(5), weights)
     assert stuck.magnitude == -1.0
     assert np.isnan(stuck.phase)
+    assert np.isnan(stuck.combined)
