@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -46,3 +47,11 @@ def test_no_module_has_the_name_of_one_of_the_standard_library() -> None:
     modules = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
     taken = {path.relative_to(ROOT).as_posix() for path in modules if path.stem in sys.stdlib_module_names}
     assert {name for name in taken if not name.endswith(("__init__.py", "__main__.py"))} == set()
+
+
+def test_what_is_to_be_mutated_exists() -> None:
+    """Name no module and no test in the configuration of `make mutants` that has moved."""
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["mutation"]
+    named = [name for target in config["targets"] for name in (*target["modules"], *target["tests"])]
+    assert named
+    assert [name for name in named if not (ROOT / name).exists()] == []
