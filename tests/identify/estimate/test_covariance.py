@@ -9,7 +9,7 @@ import pytest
 
 from analytic.motion import FloatArray
 from benchmarks.calibration.pose import pose as pose_trial
-from benchmarks.calibration.trials import plan
+from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
 from harness.identify.filter import run as filter_run
@@ -34,14 +34,30 @@ def test_nothing_fitted_has_no_interval(plain: Posed) -> None:
     assert with_interval_covariance(plain.problem, found) is found
 
 
+PLAY = Trial(
+    study="confusion",
+    name="linkage_backlash",
+    factor=2.0,
+    number=0,
+    plant="virtual_rig",
+    counts=4096,
+    noise=0.000286,
+    spikes=0.0,
+    hidden={"linkage_backlash": {"width": 0.014289}},
+    unlisted={},
+    declared={"rolling_resistance": {"coefficient": 0.00204}},
+    seed=1742178612,
+    recordings=2,
+)
+
+
 def backlash(folder: Path) -> tuple[Problem, Fit]:
     """A trial with a wide play, read by a coarse encoder, in which one closing gap falls on the edge of a step.
 
     The deviance has dips on either side of the edge, 0.02 typical sizes apart, and in which of them a search ends is
     for the rounding of a processor to decide. A search from the deepest point around its end stays in the deeper one.
     """
-    trials = (one for one in plan(("confusion",), seeds=1) if one.name == "linkage_backlash" and one.size == "large")
-    problem = pose_trial(next(trials), folder)
+    problem = pose_trial(PLAY, folder)
     hypothesis = Hypothesis(("linkage_backlash",))
     found = fit(problem, hypothesis)
 
