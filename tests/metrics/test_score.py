@@ -99,7 +99,8 @@ def test_blanks_are_as_if_never_recorded(seed, share):
 @given(st.integers(0, 2**32 - 1))
 def test_integrals_do_not_depend_on_the_sampling(seed):
     """Give the paper's integrals, Sprague and Geers' errors and the lag of the motion, not of the stamps."""
-    gaps = np.random.default_rng(seed).uniform(0.002, 0.018, 1600)
+    # 1700 gaps last 17 ± 0.19 s: no seed leaves half a second without stamps before the end
+    gaps = np.random.default_rng(seed).uniform(0.002, 0.018, 1700)
     inner = np.cumsum(gaps)
     uneven = np.concatenate(([0.0], inner[inner < 15.98], [15.99]))
     even, scattered = (score("cam", run(time, late=0.02, gain=1.05)) for time in (TIME, uneven))
