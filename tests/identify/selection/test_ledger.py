@@ -143,6 +143,7 @@ def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, A
     assert sum("deviance" in one for one in said) == len(kept["fits"])
 
 
+@pytest.mark.slow
 def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) -> None:
     """Decide again a search that tried a runner-up as well, and held both ends against each other."""
     # as if much were left: nothing counts as explained, any runner-up may begin, and spline terms never pay
