@@ -57,7 +57,7 @@ def diagnosis_record(
         effects=tuple(EffectRecord.model_validate(one) for one in found.effects),
         unlisted=None
         if spline is None
-        else UnlistedRecord(depends_on=tuple(one.value for one in found.depends_on), spline=_shape(spline)),
+        else UnlistedRecord(depends_on=tuple(one.value for one in found.depends_on), shape=_shape(spline)),
         errors=AllErrorsRecord(
             identify=_before_after(found.identify),
             heldout=_before_after(found.heldout),

@@ -79,7 +79,7 @@ class UnlistedRecord(Part):
     """An unlisted effect: its regressors, strongest first, and its spline term."""
 
     depends_on: tuple[DependsName, ...]
-    spline: ShapeRecord
+    shape: ShapeRecord
 
 
 class DependenceRecord(Part):

@@ -100,3 +100,15 @@ def test_what_is_no_diagnosis_is_refused(tmp_path: Path, text: str | None, said:
         file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=said):
         read_record(file)
+
+
+def test_other_programs_find_what_they_read() -> None:
+    """Keep the names of the public contract: effects with intervals, unlisted law, errors, ledger, inputs."""
+    schema = json.loads(schema_text())
+    parts = {name: set(part["properties"]) for name, part in schema["$defs"].items() if "properties" in part}
+    assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(schema["properties"])
+    assert parts["UnlistedRecord"] == {"depends_on", "shape"}
+    assert parts["ParameterRecord"] == {"value", "low", "high", "unit"}
+    assert parts["EffectRecord"] == {"name", "parameters", "indistinguishable_from"}
+    assert {"identify", "heldout", "engines"} <= parts["AllErrorsRecord"]
+    assert {"effect", "kept", "because"} <= parts["LedgerLine"]
