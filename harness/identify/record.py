@@ -369,8 +369,7 @@ def read_record(path: Path) -> DiagnosisRecord:
     """
     file = path / FILE if path.is_dir() else path
     try:
-        text = file.read_bytes()
-        content = json.loads(text)
+        content = json.loads(file.read_bytes())
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror}); give the {FILE} of `diagnose`") from error
     except ValueError as error:
@@ -383,7 +382,7 @@ def read_record(path: Path) -> DiagnosisRecord:
             f"{file}: is no diagnosis that this version can use (schema {version}, not {SCHEMA}); diagnose anew"
         )
     try:
-        return DiagnosisRecord.model_validate_json(text)
+        return DiagnosisRecord.model_validate(content)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"]))
@@ -395,7 +394,7 @@ def read_record(path: Path) -> DiagnosisRecord:
 def schema_text() -> str:
     """JSON Schema of the format."""
     schema = DiagnosisRecord.model_json_schema(by_alias=True, mode="serialization")
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": FILE}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return json.dumps(head | schema | {"title": FILE}, indent=2, ensure_ascii=False) + "\n"
 
 

@@ -12,7 +12,6 @@ import pytest
 from click.testing import CliRunner
 
 from harness.cli.main import main
-from tests.shared_data import SHARED
 
 
 @dataclass(frozen=True)
@@ -73,11 +72,3 @@ def harness(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Harness:
 def bundled_run(tmp_path_factory: pytest.TempPathFactory) -> Outcome:
     """`harness run` without any argument."""
     return call(tmp_path_factory.mktemp("bundled"), "run")
-
-
-@pytest.fixture(scope="session")
-def shared() -> Path:
-    """The folder with cases and recordings that are handed out beside the repository."""
-    if not SHARED.is_dir():
-        pytest.skip("the folder ../shared is absent")
-    return SHARED

@@ -15,7 +15,6 @@ from harness.errors import InputError
 from harness.recording import load_case
 from harness.simulator import Experiment, SimulatedRecording, simulate, truth, write_case
 from harness.simulator.protocol import turned_before
-from tests.shared_data import CASES
 from tests.simulator.acting import EACH, EACH_UNLISTED
 
 DECLARED = {"rolling_resistance": {"coefficient": 0.002}}
@@ -190,12 +189,10 @@ def style(time: FloatArray, angle: FloatArray, position: FloatArray) -> dict[str
     }
 
 
-def test_recordings_have_the_style_of_the_cases() -> None:
+def test_recordings_have_the_style_of_the_cases(shared: Path) -> None:
     """Lie, in every figure's mean, within the spread of the recordings of the cases."""
-    if not CASES.is_dir():
-        pytest.skip("the folder ../shared is absent")
     theirs = []
-    for file in sorted(CASES.glob("*/rec_0[12].csv")):
+    for file in sorted(shared.glob("cases/*/rec_0[12].csv")):
         table = pd.read_csv(file)
         theirs.append(style(*(table[c].to_numpy() for c in ("time_s", "beam_angle_rad", "ball_position_m"))))
     ours = [

@@ -8,9 +8,10 @@ al., Ecological Monographs 62, 1992), and a penalty of log n for each of k param
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from operator import itemgetter
 
 import numpy as np
 
@@ -85,7 +86,7 @@ class Criterion:
 
     def gain(self, tried: Fit, against: Fit) -> float:
         """Decrease of the criterion from `against` to `tried`; of the BIC if either has a spline term."""
-        spline = tried.hypothesis.spline is not None or against.hypothesis.spline is not None
+        spline = _by_bic(tried, against)
         return self._value(against, spline=spline) - self._value(tried, spline=spline)
 
     def _value(self, fit: Fit, *, spline: bool) -> float:
@@ -116,12 +117,15 @@ class Criterion:
         """The best fit of its round is kept if it lowers the criterion by more than `keep`."""
         best = evidence.winner is None or evidence.winner is tried
         kept = best and gain > self.settings.keep
-        return kept, self._because(tried, gain, kept, evidence)
+        return kept, self._because(tried, against, gain, kept, evidence)
 
     def _drop(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """An effect found earlier is kept if it still lowers the criterion by `keep`."""
         kept = not gain < self.settings.keep
-        return kept, f"{_lowers(gain)} beside the others" if kept else "is no longer needed beside the others"
+        return (
+            kept,
+            f"{_lowers(tried, against, gain)} beside the others" if kept else "is no longer needed beside the others",
+        )
 
     def _swap(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """The best candidate replaces an effect if the criterion is lower with it."""
@@ -129,8 +133,9 @@ class Criterion:
         kept = evidence.winner is tried and self.value(tried) < self.value(evidence.holder)
         if evidence.winner is tried and not kept and gain > 0.0:
             behind = self.value(tried) - self.value(evidence.holder)
-            return kept, f"{_lowers(gain)}, {behind:.1f} less than the effect that it would replace"
-        return kept, self._because(tried, gain, kept, evidence)
+            how = _lowers(tried, against, gain)
+            return kept, f"{how}, {behind:.1f} less than the effect that it would replace"
+        return kept, self._because(tried, against, gain, kept, evidence)
 
     def _split(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """Two effects replace one if they lower the criterion by `pair_penalty`, and each of them by `keep`."""
@@ -187,15 +192,22 @@ class Criterion:
         before, after = np.array(evidence.before), np.array(evidence.after)
         return rms_reduction(before, after, self.settings.chance / evidence.tests)
 
-    def _because(self, tried: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
+    def largest_reduction(self, tried: Sequence[tuple[Fit, Evidence]]) -> Fit | None:
+        """The candidate that reduces the held-out error most; `None` if no reduction is significant."""
+        margins = [(self.reduction(evidence), candidate) for candidate, evidence in tried]
+        significant = [(margin.value, candidate) for margin, candidate in margins if margin.sure]
+        return max(significant, key=itemgetter(0))[1] if significant else None
+
+    def _because(self, tried: Fit, against: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
+        lowers = _lowers(tried, against, gain)
         if kept:
-            return _lowers(gain)
+            return lowers
         if not gain > 0.0:
-            return "does not lower the quasi-BIC"
+            return f"does not lower the {_name(tried, against)}"
         if evidence.winner is None or evidence.winner is tried:
-            return f"{_lowers(gain)}, too little"
+            return f"{lowers}, too little"
         behind = self.value(tried) - self.value(evidence.winner)
-        return f"{_lowers(gain)}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}"
+        return f"{lowers}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}"
 
     def explained(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
@@ -220,5 +232,14 @@ class Criterion:
         return math.sqrt(self.settings.keep + math.log(readings) * parameters)
 
 
-def _lowers(gain: float) -> str:
-    return f"lowers the quasi-BIC by {gain:.1f}"
+def _by_bic(tried: Fit, against: Fit) -> bool:
+    """Whether the two are compared by the BIC: either has a spline term."""
+    return tried.hypothesis.spline is not None or against.hypothesis.spline is not None
+
+
+def _name(tried: Fit, against: Fit) -> str:
+    return "BIC" if _by_bic(tried, against) else "quasi-BIC"
+
+
+def _lowers(tried: Fit, against: Fit, gain: float) -> str:
+    return f"lowers the {_name(tried, against)} by {gain:.1f}"

@@ -8,7 +8,6 @@ improves them. Held-out windows then decide: 2 s known, 3 s predicted, by fits t
 from __future__ import annotations
 
 from dataclasses import replace
-from operator import itemgetter
 
 import numpy as np
 
@@ -83,9 +82,7 @@ def _extended(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -
     for candidate in tried:
         progress(f"cross-validation: {candidate.hypothesis.names[-1]}")
         rounds.append((candidate, Evidence(before=before, after=held_out_errors(problem, candidate), tests=tests)))
-    margins = [(ledger.criterion.reduction(evidence), candidate) for candidate, evidence in rounds]
-    significant = [(margin.value, candidate) for margin, candidate in margins if margin.sure]
-    winner = max(significant, key=itemgetter(0))[1] if significant else None
+    winner = ledger.criterion.largest_reduction(rounds)
     kept = None
     for candidate, evidence in rounds:
         full = replace(evidence, winner=winner)

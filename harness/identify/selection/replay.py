@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -157,9 +156,7 @@ def _decisions(
 def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
     """The best fit of a round: by held-out errors for EXTEND, else by the criterion."""
     if rule is Rule.EXTEND:
-        margins = [(criterion.reduction(evidence), candidate) for candidate, evidence in tried]
-        significant = [(margin.value, candidate) for margin, candidate in margins if margin.sure]
-        return max(significant, key=itemgetter(0))[1] if significant else None
+        return criterion.largest_reduction(tried)
     return min((candidate for candidate, _ in tried), key=criterion.value)
 
 
@@ -193,7 +190,7 @@ def _evidence(
 def _decision_differences(
     lines: Sequence[LedgerLine], decisions: Sequence[Decision], *, exact: bool
 ) -> Iterator[Mismatch]:
-    """Differences of hashes, decisions and, if `exact`, gains."""
+    """Differences of hashes, decisions and, if `exact`, gains and reasons."""
     for n, (line, now) in enumerate(zip(lines, decisions, strict=True)):
         where = f"attempt {n + 1}, {line.effect}"
         if hashed(line) != line.hash:
@@ -203,6 +200,8 @@ def _decision_differences(
             yield Mismatch(where, f"is {kept}, recorded as {recorded}")
         if exact and not abs(now.gain - _number(line.gain)) <= _TOLERANCE:
             yield Mismatch(where, f"gain {now.gain:.4f}, recorded {_number(line.gain):.4f}")
+        elif exact and now.because != line.because:
+            yield Mismatch(where, f'the reason is "{now.because}", recorded "{line.because}"')
 
 
 def _number(value: float | None) -> float:

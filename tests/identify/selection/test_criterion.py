@@ -198,6 +198,13 @@ def test_a_decision_gives_its_reason(rule: Rule, gain: float, said: str) -> None
     assert C.decide(rule, made(100.0 - gain, "level_error"), made(100.0)).because == said
 
 
+@pytest.mark.parametrize(("gain", "said"), [(7.0, "lowers the BIC by 7.0"), (-0.5, "does not lower the BIC")])
+def test_the_reason_names_the_criterion_that_decided(gain: float, said: str) -> None:
+    """Speak of the BIC where the nodes of a spline term are doubled."""
+    fine, coarse = (made(score, spline=True, parameters=12) for score in (100.0 - gain, 100.0))
+    assert C.decide(Rule.REFINE, fine, coarse).because == said
+
+
 def test_what_gains_nothing_at_all_does_not_pay() -> None:
     """Say so of a candidate that leaves the criterion exactly as it is, alone or in the place of an effect."""
     idle, without, holder = made(100.0, "level_error", parameters=0), made(100.0), made(50.0, "track_bump")
