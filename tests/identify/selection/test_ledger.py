@@ -89,6 +89,14 @@ def _gain(record: dict[str, Any]) -> str:
     return "gain"
 
 
+def _reason(record: dict[str, Any]) -> str:
+    """Another reason for the same decision."""
+    line = record["ledger"][1]
+    line["because"] = "was asked for"
+    rehashed(line)
+    return 'recorded "was asked for"'
+
+
 def _hash(record: dict[str, Any]) -> str:
     """The reason is another one."""
     record["ledger"][1]["because"] = "nobody knows"
@@ -113,7 +121,7 @@ def _version(record: dict[str, Any]) -> str:
     return "does not give its hash"
 
 
-@pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _hash, _mass, _threshold, _version])
+@pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _reason, _hash, _mass, _threshold, _version])
 def test_what_was_changed_is_named(
     searched: tuple[Problem, Selection], kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
 ) -> None:
