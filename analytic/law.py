@@ -12,8 +12,8 @@ from analytic.compiled import njit
 from analytic.models import Reading
 from analytic.motion import FloatArray
 
-# What a curve depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the ball or
-# a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
+# What a spline term depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the
+# ball or a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
 OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
     1.0,
     2.0,
@@ -53,13 +53,13 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
     if p[slots.IMBALANCE] != 0.0:
         result += p[slots.IMBALANCE] * np.sin(rolled(s, p))
     if p[slots.SHAPE] == OF_POSITION:
-        result += p[slots.RESPONSE] * curve(s, p)
+        result += p[slots.RESPONSE] * spline_term(s, p)
     elif p[slots.SHAPE] == OF_VELOCITY:
-        result += p[slots.RESPONSE] * curve(v, p)
+        result += p[slots.RESPONSE] * spline_term(v, p)
     elif p[slots.SHAPE] == OF_ANGLE:
-        result += p[slots.RESPONSE] * curve(angle, p)
+        result += p[slots.RESPONSE] * spline_term(angle, p)
     elif p[slots.SHAPE] == OF_ROLL:
-        result += p[slots.RESPONSE] * curve(rolled(s, p), p)
+        result += p[slots.RESPONSE] * spline_term(rolled(s, p), p)
     if len(p) > slots.SLOTS:
         result += p[slots.RESPONSE] * laws(s, v, angle, p)
     reading = int(p[slots.READING])
@@ -87,10 +87,10 @@ def accelerations(s: FloatArray, v: FloatArray, beam: FloatArray, p: FloatArray)
 
 
 @njit(cache=True)
-def curve(at: float, p: FloatArray) -> float:
-    """The curve through the nodes in the vector: a Catmull–Rom spline, constant beyond its ends.
+def spline_term(at: float, p: FloatArray) -> float:
+    """A Catmull–Rom spline through the nodes in the vector, constant beyond its ends.
 
-    A curve over the rolled angle is periodic.
+    Over the rolled angle it is periodic.
     """
     count = int(p[slots.SHAPE_COUNT])
     place = (at - p[slots.SHAPE_LOW]) / p[slots.SHAPE_STEP]
@@ -111,9 +111,9 @@ def curve(at: float, p: FloatArray) -> float:
 
 
 @njit(cache=True)
-def curve_at(where: FloatArray, p: FloatArray) -> FloatArray:
-    """`curve` at each of `where`, shape (n,); the same shape."""
-    return np.array([curve(at, p) for at in where])
+def spline_term_at(where: FloatArray, p: FloatArray) -> FloatArray:
+    """`spline_term` at each of `where`, shape (n,); the same shape."""
+    return np.array([spline_term(at, p) for at in where])
 
 
 @njit(cache=True)
@@ -167,9 +167,9 @@ def dry_limit(s: float, v: float, towards: float, angle: float, rate: float, ang
     """
     coefficient = p[slots.DRY_PLUS] if towards > 0.0 else p[slots.DRY_MINUS]
     if p[slots.SHAPE] == DRY_OF_POSITION:
-        coefficient += curve(s, p)
+        coefficient += spline_term(s, p)
     elif p[slots.SHAPE] == DRY_OF_ROLL:
-        coefficient += curve(rolled(s, p), p)
+        coefficient += spline_term(rolled(s, p), p)
     if p[slots.DRY_STATIC] != 0.0:
         ratio = v / p[slots.STRIBECK_VELOCITY]
         coefficient += p[slots.DRY_STATIC] * np.exp(-ratio * ratio)

@@ -13,7 +13,7 @@ BUMP_HEIGHT, BUMP_CENTRE, BUMP_WIDTH = 20, 21, 22  # [m]
 IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where φ = 0 [m], 1/r [1/m]
 TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]
 DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
-SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_COUNT, SHAPE_NODES = range(31, 36)  # a curve of unknown law: `analytic.law.curve`
+SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_COUNT, SHAPE_NODES = range(31, 36)  # a spline term: `analytic.law.spline_term`
 MOST_NODES = 24
 SLOTS = SHAPE_NODES + MOST_NODES
 # Each force law of a user's own effect has a block behind the slots, so that runs without any cost nothing more: what

@@ -1,105 +1,107 @@
 """`python -m benchmarks.sensitivity`: what changes on blind trials when one setting of the search is halved or doubled.
 
-Writes `docs/settings.md`: every setting with its meaning, its reason, and how many of the trials get another verdict.
+Writes `docs/settings.md`: every setting with its meaning, its reason, and how many of the trials get another result.
 """
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from benchmarks.calibration.pose import pose
+from benchmarks.calibration.bar import run_with_bar
+from benchmarks.calibration.rows import Row
+from benchmarks.calibration.store import Store, sources_digest
 from benchmarks.calibration.trials import Trial, plan
-from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.identify.verdict import identify
 
-DOC = Path("docs/settings.md")
-# Where settings can matter: nothing hidden, sizes near the detection limit, pairs, a cause that no catalogue lists.
-_TRIALS = (("null", "none", 2), ("power", "rolling_resistance", 1), ("power", "channel_delay", 1))
-_OTHERS = ("track_curvature + viscous_damping", "rough_patch")
+_DOC, _ROWS = Path("docs/settings.md"), Path("build/calibration/sensitivity.jsonl")
 _NEAR = 0.03  # of the middle size: near the detection limit
+# Where settings can matter: nothing hidden, sizes near the detection limit, pairs, a cause that no catalogue lists.
+_CHOSEN = (
+    ("null", "none", 0.0, 2),
+    ("power", "rolling_resistance", _NEAR, 1),
+    ("power", "channel_delay", _NEAR, 1),
+    ("confusion", "track_curvature + viscous_damping", 1.0, 1),
+    ("confusion", "rough_patch", 1.0, 1),
+)
 FACTORS = (0.5, 2.0)
 
 
 def chosen() -> tuple[Trial, ...]:
     """Trials of the plan of the blind trials, the first ones of each kind."""
     picked: list[Trial] = []
-    for study, name, count in _TRIALS:
+    for study, name, factor, count in _CHOSEN:
         found = plan((study,), count=count, seeds=count, only=[name])
-        picked += [one for one in found if one.factor in (0.0, _NEAR)][:count]
-    for name in _OTHERS:
-        picked += plan(("confusion",), seeds=1, only=[name])[:1]
+        picked += [one for one in found if one.factor == factor][:count]
     return tuple(picked)
 
 
-def problem_of(trial: Trial) -> Problem:
-    """The problem that a trial poses."""
-    with tempfile.TemporaryDirectory(prefix="sensitivity-") as folder:
-        return pose(trial, Path(folder) / "case")
+def changed(trial: Trial) -> list[Trial]:
+    """The same trial with each setting halved and doubled; one that stays as it is, being whole, is left out."""
+    trials = [replace(trial, setting=name, scale=factor) for name, *_ in Settings.described() for factor in FACTORS]
+    return [one for one in trials if one.settings != DEFAULT]
 
 
-def answer(problem: Problem, settings: Settings) -> str:
-    """Verdict and names with these settings."""
-    found = identify(replace(problem, settings=settings))
-    return " + ".join([str(found.verdict), *(one.name for one in found.effects), *map(str, found.depends_on)])
+def answer(row: Row) -> str:
+    """Verdict, names and the regressor of a spline term."""
+    if row.error is not None:
+        return row.error
+    return " + ".join([row.verdict, *(one.name for one in row.named), *filter(None, [row.depends_on])])
 
 
-def changed(name: str, factor: float) -> Settings:
-    """The settings with one field multiplied; whole numbers stay whole and at least one."""
-    value = getattr(DEFAULT, name) * factor
-    return replace(DEFAULT, **{name: max(1, round(value)) if isinstance(getattr(DEFAULT, name), int) else value})
+def page(trials: Sequence[Trial], rows: Mapping[str, Row]) -> str:
+    """`docs/settings.md`.
 
-
-def _study(trial: Trial) -> list[tuple[str, str]]:
-    """The default answer, and that of each changed setting, (field and factor, answer)."""
-    problem = problem_of(trial)
-    rows = [("", answer(problem, DEFAULT))]
-    for name, *_ in Settings.described():
-        for factor in FACTORS:
-            settings = changed(name, factor)
-            rows.append((f"{name} {factor:g}", rows[0][1] if settings == DEFAULT else answer(problem, settings)))
-    return rows
-
-
-def page(trials: Sequence[Trial], studies: Sequence[Sequence[tuple[str, str]]]) -> str:
-    """`docs/settings.md`."""
-    answers = [dict(one) for one in studies]
+    Args:
+        trials: at the default settings.
+        rows: by `Trial.spec`, of these and of those that `changed` gives.
+    """
     lines = [
         "# Settings of the identification",
         "",
         "`harness.identify.problem.settings.Settings` holds every number that decides how effects are found. Each row",
-        "gives its meaning, its reason, and in how many of the trials below the verdict or a name changes when it is",
-        "halved or doubled (`make sensitivity`; simulated rigs). A field without changes is not delicate here.",
+        "gives its meaning, its reason, and in how many of the simulated rigs below the verdict, a name or the",
+        "regressor of a spline term changes when it is halved or doubled (`make sensitivity`). These few trials show",
+        "what is delicate; they prove of no setting that it is not.",
         "",
         "| setting | default | meaning | reason | × 0.5 | × 2 |",
         "|---|---|---|---|---|---|",
     ]
     for name, default, meaning, reason in Settings.described():
-        cells = [sum(one[f"{name} {factor:g}"] != one[""] for one in answers) for factor in FACTORS]
-        lines.append(
-            f"| `{name}` | {default:g} | {meaning} | {reason} | {' | '.join(f'{c} of {len(answers)}' for c in cells)} |"
-        )
-    lines += ["", "Trials, with the answer at the default settings:", ""]
-    for trial, one in zip(trials, answers, strict=True):
-        lines.append(f"- {trial.study}, {trial.name}, size {trial.size}, {trial.plant}, {trial.encoder}: {one['']}")
+        cells = " | ".join(_others(trials, rows, name, factor) for factor in FACTORS)
+        lines.append(f"| `{name}` | {default:g} | {meaning} | {reason} | {cells} |")
+    lines += ["", "The trials, with the result at the default settings:", ""]
+    for one in trials:
+        what = f"{one.name}, {one.size}" if one.factor else "no effect"
+        lines.append(f"- {what}, on {one.plant}, {one.counts} counts per turn: {answer(rows[one.spec])}")
     return "\n".join(lines) + "\n"
 
 
-@click.command()
-@click.option("--jobs", default=1, show_default=True, help="Trials side by side.")
-@click.option("--out", default=DOC, show_default=True, type=click.Path(path_type=Path), help="Page to write.")
-def main(jobs: int, out: Path) -> None:
-    """Halve and double every setting of the search on a few blind trials, and tabulate what changes."""
-    trials = chosen()
-    with ProcessPoolExecutor(jobs) as pool:
-        studies = list(pool.map(_study, trials))
-    out.write_text(page(trials, studies), encoding="utf-8")
+def _others(trials: Sequence[Trial], rows: Mapping[str, Row], name: str, factor: float) -> str:
+    """How many trials end otherwise with this setting scaled by `factor`."""
+    scaled = [replace(one, setting=name, scale=factor) for one in trials]
+    if scaled[0].settings == DEFAULT:
+        return "the same"
+    pairs = zip(scaled, trials, strict=True)
+    return f"{sum(answer(rows[one.spec]) != answer(rows[default.spec]) for one, default in pairs)} of {len(trials)}"
+
+
+@click.command(context_settings={"max_content_width": 100})
+@click.option("--jobs", default=os.cpu_count() or 1, show_default=True, help="Trials side by side.")
+@click.option("--rows", default=_ROWS, show_default=True, type=click.Path(path_type=Path), help="Kept rows.")
+@click.option("--out", default=_DOC, show_default=True, type=click.Path(path_type=Path), help="Page to write.")
+def main(jobs: int, rows: Path, out: Path) -> None:
+    """Halve and double every setting of the search on a few blind trials, and tabulate what changes.
+
+    Rows are kept; a run that was stopped goes on where it was, and a changed search begins anew.
+    """
+    trials, store = chosen(), Store(rows, sources_digest())
+    run_with_bar([*trials, *(each for one in trials for each in changed(one))], store, jobs=jobs)
+    out.write_text(page(trials, store.rows()), encoding="utf-8")
     click.echo(out)
 
 

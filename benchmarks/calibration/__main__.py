@@ -6,12 +6,9 @@ import os
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from benchmarks.calibration.bar import run_with_bar
 from benchmarks.calibration.publish import publish
-from benchmarks.calibration.rows import Row
-from benchmarks.calibration.run import run
 from benchmarks.calibration.store import Store, sources_digest
 from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, STUDIES, plan
 from harness.errors import InputError
@@ -54,16 +51,7 @@ def main(
     except InputError as error:
         raise click.UsageError(str(error)) from error
     if not tables_only:
-        missing = len(store.missing(trials))
-        click.echo(f"{len(trials)} trials, {missing} of them to run (sources {store.source})", err=True)
-        with _bar() as bar:
-            task = bar.add_task("trials", total=missing)
-
-            def told(row: Row) -> None:
-                bar.console.print(_line(row), markup=False, highlight=False, soft_wrap=True)
-                bar.advance(task)
-
-            run(trials, store, jobs=jobs, told=told)
+        run_with_bar(trials, store, jobs=jobs)
     found = list(store.rows().values())
     if not found:
         kept = ", ".join(f"{name} ({n})" for name, n in store.sources().most_common()) or "none"
@@ -75,19 +63,6 @@ def main(
         click.echo(f"failed: {row.trial.name}, number {row.trial.number}: {row.error}", err=True)
     if failed:
         raise SystemExit(1)
-
-
-def _bar() -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True))
-
-
-def _line(row: Row) -> str:
-    trial = row.trial
-    what = f"{trial.study} {trial.name} {trial.size} #{trial.number} {trial.plant} {trial.encoder}"
-    names = " + ".join(one.name for one in row.named) or "nothing"
-    spline = f" + a spline term of {row.depends_on}" if row.depends_on else ""
-    return f"{what}: {row.error or names + spline} [{row.outcome}] {row.seconds:.0f} s"
 
 
 if __name__ == "__main__":

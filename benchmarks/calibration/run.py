@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.calibration.pose import pose
@@ -28,7 +29,7 @@ def diagnosed(trial: Trial, source: str) -> Row:
     begin = time.monotonic()
     try:
         with tempfile.TemporaryDirectory(prefix="calibration-") as folder:
-            problem = pose(trial, Path(folder) / "case")
+            problem = replace(pose(trial, Path(folder) / "case"), settings=trial.settings)
         begin = time.monotonic()
         return _row(trial, source, identify(problem), time.monotonic() - begin)
     except Exception as error:

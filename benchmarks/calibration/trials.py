@@ -6,13 +6,14 @@ import hashlib
 import json
 import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
 from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
 from harness.errors import InputError
+from harness.identify.problem.settings import DEFAULT, Settings
 
 Values = dict[str, dict[str, float]]
 
@@ -49,6 +50,7 @@ class Trial:
         hidden, unlisted, declared: what acts (SI).
         seed: of moves and noise.
         recordings: how many there are.
+        setting, scale: a setting of the search, and the factor by which it is changed; empty and 1 where none is.
     """
 
     study: str
@@ -64,6 +66,17 @@ class Trial:
     declared: Values
     seed: int
     recordings: int = RECORDINGS
+    setting: str = ""
+    scale: float = 1.0
+
+    @property
+    def settings(self) -> Settings:
+        """Of the search; a whole number stays whole, and at least one."""
+        if not self.setting:
+            return DEFAULT
+        default = getattr(DEFAULT, self.setting)
+        value = default * self.scale
+        return replace(DEFAULT, **{self.setting: max(1, round(value)) if isinstance(default, int) else value})
 
     @property
     def size(self) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -70,7 +70,8 @@ def force_of(
             law(full, time)
         # An engine's velocities live between the steps: that of half a step ago is what the ball has moved by.
         earlier = (s - before[1]) / time_step if n == before[0] + 1 else math.nan
-        push, pull = _excess(s, v, earlier, angle, rate[n], angular[n], bare, full, dry, time_step, pull, n - before[0])
+        now = _Instant(s, v, earlier, angle, rate[n], angular[n])
+        push, pull = _excess(now, bare, full, dry, time_step, pull, n - before[0])
         before = n, s
         return inertia * push
 
@@ -102,32 +103,31 @@ def motion_for_engine(effects: Sequence[Acting], motion: BeamMotion, stamps: Flo
     return SplineMotion(CubicSpline(time, np.convolve(padded, window / window.sum(), mode="valid")))
 
 
+class _Instant(NamedTuple):
+    """Ball and beam at an engine's step: s [m], ṡ [m/s], ṡ half a step ago (NaN if unknown); α, α̇, α̈ [rad, s]."""
+
+    s: float
+    v: float
+    begin: float
+    angle: float
+    rate: float
+    angular: float
+
+
 @njit(cache=True)
 def _excess(
-    s: float,
-    v: float,
-    begin: float,
-    angle: float,
-    rate: float,
-    angular: float,
-    bare: FloatArray,
-    full: FloatArray,
-    dry: bool,
-    time_step: float,
-    pull: float,
-    steps: int,
+    now: _Instant, bare: FloatArray, full: FloatArray, dry: bool, time_step: float, pull: float, steps: int
 ) -> tuple[float, float]:
     """Acceleration with effects beyond the one without, and the pull of a Dahl friction in it, both [m/s²].
 
     Args:
-        s, v: ball, position [m] and velocity [m/s].
-        begin: its velocity half a step ago [m/s]; NaN if that is not known.
-        angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
+        now: ball and beam.
         bare, full: the kernel's vectors without and with effects, shape (SLOTS,) or longer.
         dry: whether any of them is set-valued.
         time_step: of the engine [s].
         pull: of the Dahl friction `steps` steps ago [m/s²].
     """
+    s, v, begin, angle, rate, angular = now
     with_effects = acceleration(s, v, angle, rate, angular, full)
     push = with_effects - acceleration(s, v, angle, rate, angular, bare)
     if dry:

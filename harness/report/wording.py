@@ -50,7 +50,7 @@ def sentence(diagnosis: Diagnosis) -> str:
             )
         case Verdict.UNLISTED:
             beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""
-            what = f"{_curve(diagnosis)}{beside}{_fall(diagnosis)}"
+            what = f"{_spline_term(diagnosis)}{beside}{_fall(diagnosis)}"
             return f"An effect that is not in the catalogue is missing: {what}."
         case Verdict.EFFECT:
             verb = "was" if len(diagnosis.effects) == 1 else "were"
@@ -96,7 +96,7 @@ def _some(names: Sequence[str]) -> str:
     return listed([*map(words, names[:_MAX_NAMES]), *more])
 
 
-def _curve(diagnosis: Diagnosis) -> str:
+def _spline_term(diagnosis: Diagnosis) -> str:
     spline = diagnosis.found.terms.spline
     assert spline is not None
     most = float(np.max(np.abs(spline.nodes)))

@@ -48,6 +48,13 @@ class Constants(NamedTuple):
     rolling_arm: float
 
 
+class Beam(NamedTuple):
+    """The beam at an instant: α [rad], α̇ [rad/s]."""
+
+    angle: float
+    rate: float
+
+
 class Ball(NamedTuple):
     """The ball's state, and the energy it was given and that was taken from it so far [J].
 
@@ -114,19 +121,11 @@ def friction(
 
 @njit(cache=True)
 def step(
-    ball: Ball,
-    angle: float,
-    rate: float,
-    next_angle: float,
-    next_rate: float,
-    time: float,
-    dt: float,
-    k: Constants,
-    law: Laws,
-    force: AppliedForce,
+    ball: Ball, begin: Beam, end: Beam, time: float, dt: float, k: Constants, law: Laws, force: AppliedForce
 ) -> tuple[Ball, float]:
-    """One step of the ball while the beam turns from `angle` to `next_angle`; returns the ball and P_n [N s]."""
+    """One step, `time` to `time` + `dt` [s], while the beam turns from `begin` to `end`; the ball, and P_n [N s]."""
     m, J, r, height = k.mass, k.inertia, k.rolling_radius, k.eccentricity + k.rolling_radius
+    (angle, rate), (next_angle, next_rate) = begin, end
     x, z, vx, vz = ball.x, ball.z, ball.velocity_x, ball.velocity_z
     middle, turn = 0.5 * (angle + next_angle), 0.5 * (next_angle - angle)
     sin, cos = np.sin(angle), np.cos(angle)

@@ -22,7 +22,7 @@ from analytic.effects import (
 )
 from analytic.motion import BeamMotion, FloatArray, SplineMotion, State, beam_states
 from analytic.rig import Rig
-from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Constants
+from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Beam, Constants
 from harness.simulator.effect_force import force_with
 from harness.simulator.effects import Effects, checked, listed
 from harness.simulator.laws import Laws
@@ -231,7 +231,7 @@ class Simulation:
         self._transmit(0, 0)
         angle, rate, _ = self.beam[:, 0].tolist()
         self._ball = self._plant.ball(self._start, angle, rate)
-        describe(self._ball, angle, rate, math.nan, self._constants, self._rows[0])
+        describe(self._ball, Beam(angle, rate), math.nan, self._constants, self._rows[0])
 
     def advance(self, to: int) -> None:
         """Follow the ball up to instant number `to`."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
-from harness.simulator.contact import AppliedForce, Ball, Constants, step
+from harness.simulator.contact import AppliedForce, Ball, Beam, Constants, step
 from harness.simulator.laws import Laws
 
 ROLLING = 1e-12  # slip that may be rounding [m/s]
@@ -26,30 +26,21 @@ COLUMNS = (
 
 
 @njit(cache=True)
-def velocity_of(ball: Ball, angle: float, rate: float) -> float:
-    """ṡ [m/s] on the beam at α = `angle` [rad], α̇ = `rate` [rad/s]."""
-    sin, cos = np.sin(angle), np.cos(angle)
+def velocity_of(ball: Ball, beam: Beam) -> float:
+    """ṡ [m/s] on the beam as it now is."""
+    sin, cos, rate = np.sin(beam.angle), np.cos(beam.angle), beam.rate
     return float((ball.velocity_x * cos - ball.velocity_z * sin) - (rate * ball.z * cos + rate * ball.x * sin))
 
 
 @njit(cache=True)
-def slip_of(ball: Ball, angle: float, rate: float, k: Constants) -> float:
+def slip_of(ball: Ball, beam: Beam, k: Constants) -> float:
     """ṡ − r (ω − α̇) [m/s]."""
-    return velocity_of(ball, angle, rate) - k.rolling_radius * (ball.spin - rate)
+    return velocity_of(ball, beam) - k.rolling_radius * (ball.spin - beam.rate)
 
 
 @njit(cache=True)
 def careful_step(
-    ball: Ball,
-    angle: float,
-    rate: float,
-    next_angle: float,
-    next_rate: float,
-    time: float,
-    dt: float,
-    k: Constants,
-    law: Laws,
-    force: AppliedForce,
+    ball: Ball, begin: Beam, end: Beam, time: float, dt: float, k: Constants, law: Laws, force: AppliedForce
 ) -> tuple[Ball, float]:
     """`step`, cut into pieces around the instant at which the ball stops rolling, or sliding, one way.
 
@@ -57,35 +48,34 @@ def careful_step(
     of first order at every turning point, where everything else is of second.
     """
     normal, done = 0.0, 0.0
-    start, start_rate, acceleration = angle, rate, (next_rate - rate) / dt
+    beam, acceleration = begin, (end.rate - begin.rate) / dt
     while done < dt:
-        piece, sliding = dt - done, slip_of(ball, angle, rate, k)
-        end_angle, end_rate = next_angle, next_rate
-        moved, impulse = step(ball, angle, rate, end_angle, end_rate, time + done, piece, k, law, force)
+        piece, sliding, reached = dt - done, slip_of(ball, beam, k), end
+        moved, impulse = step(ball, beam, reached, time + done, piece, k, law, force)
         while piece > FINEST * dt and (
-            ((ball.spin - rate) * (moved.spin - end_rate) <= 0.0 and ball.spin != rate)
-            or (abs(sliding) > ROLLING and sliding * slip_of(moved, end_angle, end_rate, k) <= ROLLING * abs(sliding))
+            ((ball.spin - beam.rate) * (moved.spin - reached.rate) <= 0.0 and ball.spin != beam.rate)
+            or (abs(sliding) > ROLLING and sliding * slip_of(moved, reached, k) <= ROLLING * abs(sliding))
         ):
             piece *= 0.5
-            end_rate = start_rate + (done + piece) * acceleration
-            end_angle = start + (done + piece) * 0.5 * (start_rate + end_rate)
-            moved, impulse = step(ball, angle, rate, end_angle, end_rate, time + done, piece, k, law, force)
-        ball, angle, rate = moved, end_angle, end_rate
+            rate = begin.rate + (done + piece) * acceleration
+            reached = Beam(begin.angle + (done + piece) * 0.5 * (begin.rate + rate), rate)
+            moved, impulse = step(ball, beam, reached, time + done, piece, k, law, force)
+        ball, beam = moved, reached
         normal += impulse
         done += piece
     return ball, normal
 
 
 @njit(cache=True)
-def describe(ball: Ball, angle: float, rate: float, normal_force: float, k: Constants, row: FloatArray) -> None:
+def describe(ball: Ball, beam: Beam, normal_force: float, k: Constants, row: FloatArray) -> None:
     """Write what is observable at an instant into `row`, shape (COLUMNS,), in the order of COLUMNS."""
-    sin, cos = np.sin(angle), np.cos(angle)
+    sin, cos = np.sin(beam.angle), np.cos(beam.angle)
     kinetic = k.mass * (ball.velocity_x**2 + ball.velocity_z**2) + k.inertia * ball.spin**2
     row[0] = ball.along
-    row[1] = velocity_of(ball, angle, rate)
-    row[2] = ball.turned - angle
+    row[1] = velocity_of(ball, beam)
+    row[2] = ball.turned - beam.angle
     row[3] = ball.spin
-    row[4] = slip_of(ball, angle, rate, k)
+    row[4] = slip_of(ball, beam, k)
     row[5] = ball.x * sin + ball.z * cos - k.eccentricity - k.rolling_radius
     row[6] = normal_force
     row[7] = 0.5 * kinetic - k.mass * (k.gravity_x * ball.x + k.gravity_z * ball.z)
@@ -122,8 +112,7 @@ def advance(
         The ball at the last instant.
     """
     for i in range(rows.shape[0]):
-        ball, normal = careful_step(
-            ball, angle[i], rate[i], angle[i + 1], rate[i + 1], start + i * dt, dt, k, law, force
-        )
-        describe(ball, angle[i + 1], rate[i + 1], normal / dt, k, rows[i])
+        begin, end = Beam(angle[i], rate[i]), Beam(angle[i + 1], rate[i + 1])
+        ball, normal = careful_step(ball, begin, end, start + i * dt, dt, k, law, force)
+        describe(ball, end, normal / dt, k, rows[i])
     return ball

@@ -165,8 +165,8 @@ def test_dry_friction_is_a_share_of_the_normal_force(state: tuple[float, ...]) -
 LOW, STEP, COUNT = 0.1, 0.1, 6
 
 
-def with_curve(kind: float, nodes: FloatArray, low: float = LOW, step: float = STEP) -> FloatArray:
-    """CAM with a curve of unknown law through these nodes; the ball began to roll at 0."""
+def with_spline_term(kind: float, nodes: FloatArray, low: float = LOW, step: float = STEP) -> FloatArray:
+    """CAM with a spline term through these nodes; the ball began to roll at 0."""
     p = vector()
     p[SHAPE], p[SHAPE_LOW], p[SHAPE_STEP], p[SHAPE_COUNT] = kind, low, step, len(nodes)
     p[SHAPE_NODES : SHAPE_NODES + len(nodes)] = nodes
@@ -174,18 +174,18 @@ def with_curve(kind: float, nodes: FloatArray, low: float = LOW, step: float = S
 
 
 def force_of(kind: float, nodes: FloatArray, at: float, low: float = LOW, step: float = STEP) -> float:
-    """What the curve pushes the ball with where its quantity has this value, F/m [m/s²]."""
+    """What the spline term pushes the ball with where its quantity has this value, F/m [m/s²]."""
     state = {
         OF_POSITION: (at, -0.3, 0.05, 0.3, 2.0),
         OF_VELOCITY: (0.4, at, 0.05, 0.3, 2.0),
         OF_ANGLE: (0.4, -0.3, at, 0.3, 2.0),
         OF_ROLL: (at * r, -0.3, 0.05, 0.3, 2.0),
     }[kind]
-    return (acceleration(*state, with_curve(kind, nodes, low, step)) - acceleration(*state, vector())) / K
+    return (acceleration(*state, with_spline_term(kind, nodes, low, step)) - acceleration(*state, vector())) / K
 
 
 @pytest.mark.parametrize("kind", [OF_POSITION, OF_VELOCITY, OF_ANGLE])
-def test_curve_of_unknown_law_goes_through_its_nodes(kind: float) -> None:
+def test_spline_term_goes_through_its_nodes(kind: float) -> None:
     """Meet every node, keep a straight line up to its ends and a parabola between inner nodes, stay constant beyond."""
     at = LOW + STEP * np.arange(COUNT)
     nodes = np.array([0.3, -0.1, 0.2, 0.5, -0.4, 0.1])
@@ -199,7 +199,7 @@ def test_curve_of_unknown_law_goes_through_its_nodes(kind: float) -> None:
     assert force_of(kind, nodes, 0.9) == pytest.approx(nodes[-1], rel=0.0, abs=1e-13)
 
 
-def test_curve_in_its_end_spans_is_the_parabola_through_them() -> None:
+def test_spline_term_in_its_end_spans_is_the_parabola_through_them() -> None:
     """Bend in the first and last span as the slope of the inner node and a straight continuation have it."""
     nodes = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     # Hermite at mid-span: (here + there)/2 + (slope here − slope there)/8
@@ -208,7 +208,7 @@ def test_curve_in_its_end_spans_is_the_parabola_through_them() -> None:
     assert force_of(OF_POSITION, nodes, 0.25) == pytest.approx(0.5 + (0.0 + 0.5) / 8.0, rel=0.0, abs=1e-13)
 
 
-def test_curve_over_the_rolled_angle_is_periodic() -> None:
+def test_spline_term_over_the_rolled_angle_is_periodic() -> None:
     """Go on after the last node with the first, at any turn, forward and backward."""
     nodes = np.array([0.3, -0.1, 0.2, 0.5, -0.4, 0.1])
     step = 2.0 * math.pi / len(nodes)
@@ -223,14 +223,14 @@ def test_curve_over_the_rolled_angle_is_periodic() -> None:
 
 
 @pytest.mark.parametrize(("kind", "quantity"), [(DRY_OF_POSITION, 1.0), (DRY_OF_ROLL, 1.0 / r)])
-def test_curve_of_a_friction_is_its_coefficient(kind: float, quantity: float) -> None:
-    """Hold K c N/m with c from the curve, added to what is known, and push by itself nowhere."""
+def test_spline_term_of_a_friction_is_its_coefficient(kind: float, quantity: float) -> None:
+    """Hold K c N/m with c from the spline term, added to what is known, and push by itself nowhere."""
     state = (0.25, 0.2, -0.4, -0.7, -5.0)
     step = 2.0 * math.pi / 6 if kind == DRY_OF_ROLL else STEP
     nodes = np.array([0.001, 0.002, 0.004, 0.003, 0.002, 0.001])
-    p = with_curve(kind, nodes, 0.0, step)
+    p = with_spline_term(kind, nodes, 0.0, step)
     assert acceleration(*state, p) == acceleration(*state, vector())
-    smooth = with_curve(OF_ROLL if kind == DRY_OF_ROLL else OF_POSITION, nodes, 0.0, step)
+    smooth = with_spline_term(OF_ROLL if kind == DRY_OF_ROLL else OF_POSITION, nodes, 0.0, step)
     coefficient = (acceleration(*state, smooth) - acceleration(*state, vector())) / K
     assert coefficient > 0.001
     for known in (0.0, 0.005):

@@ -201,13 +201,13 @@ def test_no_finding_needs_no_table(diagnosis, case):
     assert 'id="rivals"' not in page
 
 
-def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
-    """Name the curve of something else that comes closest, not the same one with more nodes, nor an effect."""
+def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, case):
+    """Name the spline term of something else that comes closest, not the same one with more nodes, nor an effect."""
     problem, base = diagnosis.problem, diagnosis.base
     kinds = (Regressor.POSITION, Regressor.ANGLE)
-    curves = [blank(kind, False, *visited(problem, kind)) for kind in kinds]
+    terms = [blank(kind, False, *visited(problem, kind)) for kind in kinds]
     found, other, finer = (
-        fit(problem, Hypothesis((), one), process_noise=base.process_noise) for one in (*curves, curves[0].finer())
+        fit(problem, Hypothesis((), one), process_noise=base.process_noise) for one in (*terms, terms[0].finer())
     )
     tried = (
         line(Rule.SPLINE, (), found, base, kept=True),
@@ -220,13 +220,13 @@ def test_the_nearest_rival_of_a_curve_is_another_curve(diagnosis, case):
     assert "the nearest is spline of angle," in page
 
 
-def test_a_curve_has_a_section_of_its_own(diagnosis, case):
+def test_a_spline_term_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
-    curve = blank(Regressor.POSITION, False, *visited(diagnosis.problem, Regressor.POSITION))
-    found = fit(diagnosis.problem, Hypothesis((), curve), process_noise=diagnosis.base.process_noise)
+    term = blank(Regressor.POSITION, False, *visited(diagnosis.problem, Regressor.POSITION))
+    found = fit(diagnosis.problem, Hypothesis((), term), process_noise=diagnosis.base.process_noise)
     entry = line(Rule.SPLINE, (), found, diagnosis.base, kept=True)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))
     page = render_diagnosis(unlisted, diagnosis_record(unlisted, case, 1.0, input_hashes(case)), case)
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the spline term") :].split("</table>")[0]
-    assert nodes.count('<th scope="row">') == len(curve.nodes)
+    assert nodes.count('<th scope="row">') == len(term.nodes)

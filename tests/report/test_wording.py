@@ -58,7 +58,7 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
 
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("depends", Regressor)
-def test_a_curve(plain: Posed, depends: Regressor, friction: bool) -> None:
+def test_a_spline_term(plain: Posed, depends: Regressor, friction: bool) -> None:
     """Say what an unlisted law depends on, how large it gets, and what acts beside it."""
     nodes = np.zeros(12)
     nodes[4] = -0.05

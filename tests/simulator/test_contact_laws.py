@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from analytic.motion import State
 from analytic.rig import Rig
 from harness.simulator import Plant, simulate
-from harness.simulator.contact import friction, step
+from harness.simulator.contact import Beam, friction, step
 from harness.simulator.plant import compiled
 from tests.simulator.motions import Fixed, Sines, parabola
 
@@ -140,18 +140,9 @@ def test_step_ends_on_the_moving_plane() -> None:
     plant, angle, rate, turning, dt = Plant(friction=0.35), 0.05, 0.5, 6.0, 1e-3
     next_rate = rate + turning * dt
     next_angle = angle + 0.5 * dt * (rate + next_rate)
-    ball, impulse = step(
-        plant.ball(State(0.5, 0.3), angle, rate),
-        angle,
-        rate,
-        next_angle,
-        next_rate,
-        0.0,
-        dt,
-        plant.constants,
-        plant.laws,
-        compiled(None),
-    )
+    before, after = Beam(angle, rate), Beam(next_angle, next_rate)
+    ball = plant.ball(State(0.5, 0.3), angle, rate)
+    ball, impulse = step(ball, before, after, 0.0, dt, plant.constants, plant.laws, compiled(None))
     sin, cos = math.sin(next_angle), math.cos(next_angle)
     assert impulse > 0.0
     # a pass leaves (α̇ dt)² = 2.5e-7 of an error in the impulses: three leave rounding of 0.3 m/s

@@ -21,7 +21,7 @@ from analytic.law import (
     OF_POSITION,
     OF_ROLL,
     OF_VELOCITY,
-    curve_at,
+    spline_term_at,
 )
 from analytic.motion import FloatArray
 from analytic.slots import MOST_NODES, PHASE, SHAPE, SHAPE_COUNT, SHAPE_LOW, SHAPE_NODES, SHAPE_STEP, SLOTS
@@ -93,7 +93,7 @@ class SplineTerm:
         """Values of the spline at `where`, any shape; the same shape."""
         p = np.zeros(SLOTS)
         self._write(p, _KERNEL.get((self.depends, self.friction), DRY_OF_TIME))
-        return np.asarray(curve_at(where, p))
+        return np.asarray(spline_term_at(where, p))
 
     def write(self, p: FloatArray, phase: float = 0.0) -> None:
         """Write the term into the kernel's vector, shape (SLOTS,), in place; a force of time is written by `load`.

@@ -18,7 +18,7 @@ from harness.report.plots import Picture, band, dots, drawing, frame, means, pic
 from harness.report.tables import Column, Table
 from harness.report.wording import DEPENDENCES
 
-_PLOT_POINTS = 400  # of the curve
+_PLOT_POINTS = 400  # of the spline
 _MIN_ROLLING_SPEED = 0.03  # above which the sign of the velocity is certain [m/s]
 _ABSCISSA = {  # name, unit, factor to it
     Regressor.POSITION: ("position $s$", "m", 1.0),

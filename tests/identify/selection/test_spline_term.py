@@ -26,7 +26,7 @@ ROUND = replace(blank(Regressor.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.s
 
 
 def by_scipy(spline: SplineTerm, where: FloatArray) -> FloatArray:
-    """The curve by scipy: slopes are central differences, at the ends those of the last two nodes."""
+    """The spline term by scipy: slopes are central differences, at the ends those of the last two nodes."""
     places, nodes = spline.places, spline.nodes
     if spline.turning:  # three turns of it, of which the middle one is far from either end
         places = spline.low + spline.step * np.arange(-len(nodes), 2 * len(nodes))
@@ -36,7 +36,7 @@ def by_scipy(spline: SplineTerm, where: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("spline", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
-def test_a_curve_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
+def test_a_spline_term_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
     """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a turn."""
     np.testing.assert_allclose(spline.at(spline.places), spline.nodes, rtol=1e-12)
     where = np.linspace(-3.0, 13.0, 1001)
@@ -45,7 +45,7 @@ def test_a_curve_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
 
 
 @pytest.mark.parametrize("spline", [BENT, ROUND], ids=["bent", "round"])
-def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(spline: SplineTerm) -> None:
+def test_a_finer_spline_term_is_nearly_the_same_with_twice_the_nodes(spline: SplineTerm) -> None:
     """Keep every node, add one between two, and move no further than a spline's slopes change."""
     finer = spline.finer()
     assert len(finer.nodes) == 2 * NODES - (0 if spline.turning else 1) <= MOST_NODES
@@ -57,8 +57,8 @@ def test_a_finer_curve_is_nearly_the_same_with_twice_the_nodes(spline: SplineTer
 
 
 @pytest.mark.parametrize(("depends", "friction"), [kind for kind in KINDS if kind[0] is not Regressor.TIME])
-def test_the_kernel_feels_the_curve(depends: Regressor, friction: bool) -> None:
-    """Push the ball, or hold it, by the curve at the ball's position, velocity, angle or the angle that it lies at."""
+def test_the_kernel_feels_the_spline_term(depends: Regressor, friction: bool) -> None:
+    """Push or hold the ball by the spline term at its position, velocity, rolled angle or at the beam's angle."""
     p = coefficients(CAM, Rig())
     p[ORIGIN] = 0.2
     without, resisted = acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p), dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
@@ -84,7 +84,7 @@ def test_the_kernel_feels_the_curve(depends: Regressor, friction: bool) -> None:
 
 @pytest.mark.parametrize("spline", [BENT, ROUND.finer()])
 def test_a_record_holds_all_but_the_values(spline: SplineTerm) -> None:
-    """Come back from JSON as the same curve that is nothing yet."""
+    """Come back from JSON as the same spline term that is nothing yet."""
     again = SplineTerm.of(spline.record())
     assert replace(again, nodes=spline.nodes).record() == spline.record()
     np.testing.assert_array_equal(again.places, spline.places)
@@ -108,13 +108,13 @@ def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
 
 
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_blank_curve_changes_nothing(plain: Posed, depends: Regressor, friction: bool) -> None:
-    """Predict with a curve of zeros exactly what is predicted without one."""
+def test_a_blank_spline_term_changes_nothing(plain: Posed, depends: Regressor, friction: bool) -> None:
+    """Predict with a spline term of zeros exactly what is predicted without one."""
     spline = blank(depends, friction, 0.0, 1.0)
-    without, with_curve = (
+    without, with_spline_term = (
         filter_run.deviance(plain.problem, Terms((), (), np.zeros(0), one), 1e-8) for one in (None, spline)
     )
-    assert with_curve == pytest.approx(without, rel=1e-9)
+    assert with_spline_term == pytest.approx(without, rel=1e-9)
 
 
 @pytest.mark.parametrize("names", [(), ("track_curvature", "rolling_radius"), ("level_error", "ball_imbalance")])

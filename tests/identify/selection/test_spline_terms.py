@@ -22,7 +22,7 @@ from harness.recording import load_case
 from harness.simulator import Experiment, write_case
 from tests.posed import DECLARED, pose
 
-# So strong that half of it in either recording pays for a curve when it blew in one of them.
+# So strong that half of it in either recording pays for a spline term when it blew in one of them.
 GUST = {"gust": {"force": 0.02, "start": 5.0, "end": 8.0}}
 
 
@@ -37,10 +37,10 @@ def blown(folder: Path, *, both: bool) -> Problem:
 
 
 def with_and_without(problem: Problem) -> tuple[Fit, Fit]:
-    """Fits without a curve and with one of time."""
+    """Fits without a spline term and with one of time."""
     found = fit(problem, Hypothesis(()))
-    curve = blank(Regressor.TIME, False, *visited(problem, Regressor.TIME))
-    return found, fit(problem, Hypothesis((), curve), process_noise=found.process_noise)
+    term = blank(Regressor.TIME, False, *visited(problem, Regressor.TIME))
+    return found, fit(problem, Hypothesis((), term), process_noise=found.process_noise)
 
 
 def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
@@ -51,8 +51,8 @@ def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
 
 
 @pytest.mark.parametrize("both", [True, False], ids=["in both", "in one"])
-def test_a_gust_is_a_curve_of_time_only_if_it_comes_again(tmp_path: Path, both: bool) -> None:
-    """Let a curve of time stand that predicts a recording it was not fitted to, and no other, much as it gains."""
+def test_a_gust_is_a_spline_term_of_time_only_if_it_comes_again(tmp_path: Path, both: bool) -> None:
+    """Let only a spline term of time stand that predicts a recording it was not fitted to, much as it gains."""
     problem = blown(tmp_path / "case", both=both)
     found, best = with_and_without(problem)
     assert Criterion().gain(best, found) > DEFAULT.spline_keep  # it follows what happened in either case
@@ -60,7 +60,7 @@ def test_a_gust_is_a_curve_of_time_only_if_it_comes_again(tmp_path: Path, both: 
 
 
 def test_one_recording_cannot_tell(tmp_path: Path) -> None:
-    """Take the curve's gain for what it is where there is no second recording to ask."""
+    """Take the spline term's gain for what it is where there is no second recording to ask."""
     problem = blown(tmp_path / "case", both=False)
     alone = replace(problem, recordings=problem.recordings[:1])
     found, best = with_and_without(alone)
@@ -93,10 +93,10 @@ def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) ->
     ],
     ids=["out of round", "sticky spot", "magnet"],
 )
-def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_curve(
+def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_spline_term(
     tmp_path: Path, name: str, values: dict[str, float], depends: Regressor, friction: bool
 ) -> None:
-    """Name no effect beside the curve of what acts, however the ball lay at the start of each recording."""
+    """Name no effect beside the spline term of what acts, however the ball lay at the start of each recording."""
     said = identify(pose(tmp_path / "case", 3, unlisted={name: values}).problem)
     spline = said.found.terms.spline
     assert said.verdict is Verdict.UNLISTED
@@ -108,7 +108,7 @@ def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_curve(
 
 @pytest.mark.slow
 def test_a_single_gust_leaves_a_reason_in_the_ledger(tmp_path: Path) -> None:
-    """Keep the fit without a curve of time, and say why the best curve was not kept."""
+    """Keep the fit without a spline term of time, and say why the best spline term was not kept."""
     problem = blown(tmp_path / "case", both=False)
     found = fit(problem, Hypothesis(()))
     ledger = Ledger(Criterion())

@@ -43,7 +43,7 @@ def supposed(base: Fit, effects: Sequence[Acting] = (), spline: SplineTerm | Non
     return replace(base, hypothesis=Hypothesis(tuple(one.effect.name for one in effects), spline), terms=at)
 
 
-def curve(problem: Problem, depends: Regressor, friction: bool) -> SplineTerm:
+def spline_term(problem: Problem, depends: Regressor, friction: bool) -> SplineTerm:
     """A law that varies by its own size over what the recording visits."""
     known = problem.recordings[0].reading[np.isfinite(problem.recordings[0].reading)]
     low, high = {
@@ -98,9 +98,11 @@ def test_an_effect_does_the_same_in_the_engines(
 
 
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_curve_does_the_same_in_the_engines(short: Problem, base: Fit, depends: Regressor, friction: bool) -> None:
+def test_a_spline_term_is_the_same_in_the_engines(
+    short: Problem, base: Fit, depends: Regressor, friction: bool
+) -> None:
     """Predict with both engines as wrongly as CAM does with an unlisted law, a force or a friction."""
-    found = supposed(base, spline=curve(short, depends, friction), phase=0.7)
+    found = supposed(base, spline=spline_term(short, depends, friction), phase=0.7)
     assert entries(found) == {"spline term": "friction on the ball" if friction else "force on the ball"}
     agree(short, base, found)
 
