@@ -66,6 +66,7 @@ def test_an_effect_of_ones_own_is_found(harness: Harness, tmp_path: Path) -> Non
     assert "magnet" not in {one["effect"] for one in without["ledger"]}
 
 
+@pytest.mark.slow
 def test_a_declared_effect_of_ones_own_needs_its_file(harness: Harness, tmp_path: Path) -> None:
     """Say how to give the file where rig.toml declares what the catalogue does not have."""
     write_case(tmp_path / "case", Experiment(duration=4.0, identify=1, predict=0))

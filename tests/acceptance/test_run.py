@@ -96,6 +96,7 @@ def test_the_report_opens_offline(bundled_run: Outcome) -> None:
         assert word not in text
 
 
+@pytest.mark.slow
 def test_json_is_all_there_is_on_stdout(process: Harness, tmp_path: Path) -> None:
     """Print JSON and nothing else on stdout, engines' greetings included."""
     case = write_short_case(tmp_path / "case")
@@ -109,6 +110,7 @@ def test_json_is_all_there_is_on_stdout(process: Harness, tmp_path: Path) -> Non
     assert answer["failures"] == []
 
 
+@pytest.mark.slow
 def test_options_reach_the_run(harness: Harness, tmp_path: Path) -> None:
     """Take recording, engine, start, level angle, windows, settings and folder from the command line."""
     pytest.importorskip("dartpy", reason="the engine dart is optional", exc_type=ImportError)
@@ -134,6 +136,7 @@ def test_options_reach_the_run(harness: Harness, tmp_path: Path) -> None:
     assert float(first["cam_m"]) == 0.35
 
 
+@pytest.mark.slow
 def test_a_bare_recording_is_one_of_the_papers_rig(harness: Harness, tmp_path: Path) -> None:
     """Run a CSV file without any rig.toml, and say which rig is assumed."""
     shutil.copy(write_short_case(tmp_path / "case") / "rec_01.csv", tmp_path / "swing.csv")
@@ -147,6 +150,7 @@ def test_a_bare_recording_is_one_of_the_papers_rig(harness: Harness, tmp_path: P
     assert facts["settings"]["rig"]["eccentricity"] == 0.035
 
 
+@pytest.mark.slow
 def test_an_unknown_rig_is_estimated(harness: Harness, tmp_path: Path) -> None:
     """Run a rig of which only gravity is known, and print what was estimated."""
     case = write_short_case(tmp_path / "case", known=HIDDEN)

@@ -69,6 +69,7 @@ def run(package: Path, **environment: str) -> list[int]:
     return [int(word) for word in done.stdout.split()]
 
 
+@pytest.mark.slow
 def test_a_change_in_another_file_is_never_missed(package: Path) -> None:
     """Compile anew after a change of a called function or of a constant, and only then."""
     assert run(package) == [20, 0]

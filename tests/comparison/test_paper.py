@@ -75,6 +75,7 @@ def test_eccentric_pivot_is_confirmed_where_the_lever_vanishes(make_case: Callab
     assert claims_of(make_case(steps, Plant(rig=lever_free), FINE))["b"].verdict is Verdict.CONFIRMED
 
 
+@pytest.mark.slow
 def test_eccentric_pivot_is_confirmed_where_other_defects_bury_it(make_case: Callable[..., Made]) -> None:
     """Confirm (b) if missing physics, a braking patch, dominates so that the α̈ term hardly reduces the error."""
     plant = Plant(force=drag_of_a_patch)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from analytic.models import CAM
 from analytic.motion import FloatArray, State
@@ -30,6 +31,7 @@ def ratios(setting: Setting) -> dict[str, FloatArray]:
     return found
 
 
+@pytest.mark.slow
 def test_u_val_is_calibrated(perfect: list[tuple[Made, Setting]]) -> None:
     """Find CAM's error to equal u_val if CAM is the truth: closely on windows, conservatively on long runs."""
     pooled: dict[str, list[FloatArray]] = {}

@@ -64,12 +64,14 @@ def test_position_agrees_with_eq_14(rig: Rig) -> None:
     )
 
 
+@pytest.mark.slow
 @needs_dart
 def test_small_steps_reach_nanometres() -> None:
     """Step at 0.1 ms and be a hundred times as exact as at 1 ms."""
     assert error_of(run(time_step=1e-4)) < 0.02e-6
 
 
+@pytest.mark.slow
 @needs_dart
 def test_error_is_of_second_order() -> None:
     """Fit the slope of log error over log dt."""

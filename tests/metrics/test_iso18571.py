@@ -36,6 +36,7 @@ def random_pair(rng, samples):
     return measured + 1e-3 * rng.normal(size=samples), model + 1e-2 * rng.random() * rng.normal(size=samples)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_ratings_equal_the_published_package(seed):
     """Give its overall rating and its four parts over random signals of many lengths."""
@@ -45,6 +46,7 @@ def test_ratings_equal_the_published_package(seed):
         assert rate(measured, model) == pytest.approx(oracle(measured, model), abs=SAME)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_ratings_equal_the_package_on_quantised_signals(seed):
     """Follow it along the same warp where a coarse sensor makes many warps equally good."""
@@ -54,6 +56,7 @@ def test_ratings_equal_the_package_on_quantised_signals(seed):
         assert rate(measured, model) == pytest.approx(oracle(measured, model), abs=SAME)
 
 
+@pytest.mark.slow
 def test_ratings_equal_the_package_on_a_long_recording():
     """Agree on 16 s at 100 Hz."""
     measured, model = random_pair(np.random.default_rng(42), 1600)

@@ -201,6 +201,7 @@ def test_no_finding_needs_no_table(diagnosis, case):
     assert 'id="rivals"' not in page
 
 
+@pytest.mark.slow
 def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, case):
     """Name the spline term of something else that comes closest, not the same one with more nodes, nor an effect."""
     problem, base = diagnosis.problem, diagnosis.base
@@ -220,6 +221,7 @@ def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, ca
     assert "the nearest is spline of angle," in page
 
 
+@pytest.mark.slow
 def test_a_spline_term_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
     term = blank(Regressor.POSITION, False, *visited(diagnosis.problem, Regressor.POSITION))

@@ -57,6 +57,7 @@ def run(pytester: pytest.Pytester, *arguments: object) -> pytest.RunResult:
     return pytester.runpytest_inprocess("-p", "no:cacheprovider", *map(str, arguments))
 
 
+@pytest.mark.slow
 def test_the_bundled_case_keeps_its_limits(pytester: pytest.Pytester) -> None:
     """Keep every limit of the bundled case, also with the friction halved: a ball that rolls does not feel it."""
     count = len(read_tolerances(BUNDLED / "tolerances.toml").limits)
@@ -134,6 +135,7 @@ def test_a_case_runs_alone_unless_tests_are_named(pytester: pytest.Pytester, mak
     both.stdout.fnmatch_lines(["test_mine.py::test_mine", f"rig::{MUJOCO}", "4 tests collected in *"])
 
 
+@pytest.mark.slow
 def test_limits_are_chosen_by_word_and_by_engine(pytester: pytest.Pytester, make_case: MakeCase) -> None:
     """Run the limits that `-k` or `--engine` choose and say how many were not checked."""
     case = make_case(tolerances=LIMITS)

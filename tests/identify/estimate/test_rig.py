@@ -37,6 +37,7 @@ def z_scores(folder: Path, make: object, counts: int, resistance: float, seeds: 
     return np.array(rows)
 
 
+@pytest.mark.slow
 def test_estimates_cover_the_truth_under_rolling_resistance(tmp_path: Path) -> None:
     """Find K, α₀ and ℓ within their standard errors although the ball sticks and slips from rest."""
     z = z_scores(tmp_path, steps, FINE, RESISTANCE, range(6))

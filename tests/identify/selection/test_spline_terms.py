@@ -50,6 +50,7 @@ def recurs(problem: Problem, found: Fit, best: Fit) -> bool:
     return Criterion().decide(Rule.SPLINE, best, found, evidence).kept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("both", [True, False], ids=["in both", "in one"])
 def test_a_gust_is_a_spline_term_of_time_only_if_it_comes_again(tmp_path: Path, both: bool) -> None:
     """Let only a spline term of time stand that predicts a recording it was not fitted to, much as it gains."""
