@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -24,13 +24,16 @@ QUANTITY_OF_THE_RIG = {
 }
 
 
-def literals(file: Path) -> Iterator[str]:
+@cache
+def literals(file: Path) -> tuple[str, ...]:
     """Strings of a module but its docstrings."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     described = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in described:
-            yield node.value
+    return tuple(
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in described
+    )
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
