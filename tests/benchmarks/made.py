@@ -39,11 +39,11 @@ def named(name: str, value: float = 1.0, reach: float = 0.5, rivals: Iterable[st
     return Named(name, {"p": (value, value - reach, value + reach)}, tuple(rivals))
 
 
-def row(of: Trial, *found: Named, curve: str | None = None) -> Row:
+def row(of: Trial, *found: Named, spline_term: str | None = None) -> Row:
     """What came of a trial."""
-    verdict = "unlisted" if curve else "effect" if found else "none"
+    verdict = "unlisted" if spline_term else "effect" if found else "none"
     return Row(
-        trial=of, source=SOURCE, verdict=verdict, named=found, depends_on=curve, unexplained=(9.0, 1.0), seconds=2.0
+        trial=of, source=SOURCE, verdict=verdict, named=found, depends_on=spline_term, unexplained=(9.0, 1.0), seconds=2.0
     )
 
 

@@ -20,7 +20,7 @@ DAMPED = [
     row(trial("confusion", "viscous_damping", 3), named("quadratic_drag", rivals=["level_error"])),
     row(trial("confusion", "viscous_damping", 4), named("viscous_damping", 0.8), named("level_error")),
     row(trial("confusion", "viscous_damping", 5)),
-    row(trial("confusion", "viscous_damping", 6), curve="velocity"),
+    row(trial("confusion", "viscous_damping", 6), spline_term="velocity"),
 ]
 OUTCOMES = ["right", "right", "partner", "other", "more", "nothing", "unlisted"]
 NULL = [
