@@ -75,7 +75,7 @@ mutants: $(INSTALLED) ## change the code here and there and list what no test no
 	nice $(BIN)/python -m tests.mutation $(ARGS)
 
 .PHONY: lint
-lint: $(INSTALLED) ## ruff: rules and format; import-linter: the floors of docs/development.md
+lint: $(INSTALLED) ## ruff: rules and format; import-linter: the layers of docs/development.md
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-logo --no-cache

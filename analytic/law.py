@@ -135,7 +135,7 @@ def laws(s: float, v: float, angle: float, p: FloatArray) -> float:
         elif depends == OF_ANGLE:
             total += hermite(angle, law, p)
         else:
-            total += hermite(((s - p[slots.ORIGIN]) * p[slots.ROLL]) % (2.0 * np.pi), law, p)
+            total += hermite(rolled(s, p) % (2.0 * np.pi), law, p)
     return total
 
 

@@ -90,6 +90,9 @@ def parameters_with(model: Model, rig: Rig, effects: Sequence[Acting], *, phase:
 
     Args:
         phase: φ₀, how the ball lies at the start, where that matters to one of them [rad].
+
+    Raises:
+        EffectError: a force law gives no numbers over its range.
     """
     rig = rig_with(rig, effects)
     vector = coefficients(model, rig)

@@ -1,6 +1,7 @@
 """What an effect is: everything that the program knows of one, in one place.
 
-An effect of the catalogue is described here alone; whoever needs a fact of it asks the `Effect`, and nobody its name.
+Whoever needs a fact of an effect of the catalogue asks its `Effect`, and nobody its name. Only the virtual rig
+(`harness.simulator`), which has to be independent, has a law of its own under the effect's name.
 """
 
 from __future__ import annotations

@@ -72,7 +72,6 @@ class Row:
         verdict: as in diagnosis.json; empty where it failed.
         named: the effects found.
         depends_on: regressor of the spline term.
-        unexplained: root density of the process noise over the angle's floor, before and after [1].
         seconds: that the diagnosis took.
         error: text of what went wrong.
     """
@@ -82,7 +81,6 @@ class Row:
     verdict: str
     named: tuple[Named, ...] = ()
     depends_on: str | None = None
-    unexplained: tuple[float, float] = (math.nan, math.nan)
     seconds: float = math.nan
     error: str | None = None
 
@@ -146,5 +144,4 @@ class Row:
             )
             for one in record["named"]
         )
-        before, after = record["unexplained"]
-        return cls(trial=Trial(**record["trial"]), named=named, unexplained=(before, after), **fields)
+        return cls(trial=Trial(**record["trial"]), named=named, **fields)

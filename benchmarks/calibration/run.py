@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import multiprocessing
 import os
 import tempfile
@@ -39,8 +38,7 @@ def diagnosed(trial: Trial, source: str) -> Row:
 
 
 def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row:
-    floor, spline = said.problem.angle_floor, said.found.terms.spline
-    before, after = (one.root_process_noise / floor if floor else math.nan for one in (said.base, said.found))
+    spline = said.found.terms.spline
     return Row(
         trial=trial,
         source=source,
@@ -54,7 +52,6 @@ def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row
             for one in said.effects
         ),
         depends_on=None if spline is None else str(spline.depends),
-        unexplained=(round(before, 3), round(after, 3)),
         seconds=round(seconds, 1),
     )
 

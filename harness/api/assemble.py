@@ -106,8 +106,8 @@ def _before_after(one: BeforeAfter) -> BeforeAfterRecord:
 def _errors(one: Errors) -> ErrorsRecord:
     return ErrorsRecord(
         rms_m=dict(one.rms),
-        innovation_correlation=round(one.whiteness, 4),
-        innovation_over_noise=round(one.ratio, 4),
+        innovation_correlation=round(one.innovation_correlation, 4),
+        innovation_over_noise=round(one.innovation_over_noise, 4),
         innovation_on_beam={
             name: DependenceRecord(p=test.p, correlation=round(test.correlation, 4), lag_s=round(test.lag, 3))
             for name, test in one.beam.items()

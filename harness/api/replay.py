@@ -28,7 +28,8 @@ class Replayed:
 
     Attributes:
         origin: of the diagnosis.
-        attempts, fits: numbers of decisions and fits that were replayed.
+        attempts: number of decisions that were replayed.
+        fits: number of fits that were replayed.
         mismatches: what differs.
         largest: difference of a deviance.
         other_versions: software that is not what it was, `then → now` by name.

@@ -212,7 +212,10 @@ class FittedEffect(Part):
 
 
 class FitRecord(Part):
-    """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion."""
+    """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion.
+
+    `abandoned` if it was not continued to convergence, because other candidates were far better.
+    """
 
     effects: tuple[FittedEffect, ...]
     spline_term: SplineTermRecord | None
@@ -220,6 +223,7 @@ class FitRecord(Part):
     process_noise_m2_s3: Finite
     deviance: Number
     criterion: Number
+    abandoned: bool = False
 
 
 class SourcesRecord(Part):

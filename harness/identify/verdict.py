@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -14,6 +14,7 @@ from harness.identify.selection.candidates import candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
+from harness.progress import Progress, silent
 
 
 class Verdict(StrEnum):
@@ -88,7 +89,7 @@ class Identification:
         return tuple(dict.fromkeys(regressor for spline in splines if spline for regressor in _regressors(spline)))
 
 
-def identify(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> Identification:
+def identify(problem: Problem, progress: Progress = silent) -> Identification:
     """Select the missing terms and give the verdict, as `harness diagnose` reports and blind trials calibrate it."""
     return judge(problem, search(problem, progress))
 
@@ -103,7 +104,7 @@ def judge(problem: Problem, selection: Selection) -> Identification:
         verdict = Verdict.UNLISTED
     elif names:
         verdict = Verdict.EFFECT
-    elif criterion.unexplained(problem, found) or len(unseen) > problem.settings.unseen_share * len(
+    elif criterion.far_above_noise_floor(problem, found) or len(unseen) > problem.settings.unseen_share * len(
         candidates(problem)
     ):
         verdict = Verdict.NOT_IDENTIFIABLE

@@ -37,7 +37,7 @@ def sentence(diagnosis: Diagnosis) -> str:
                 "No missing effect was found: no effect of the catalogue predicts these recordings better"
                 f"{_stays(diagnosis.heldout)}."
             )
-        case Verdict.NOT_IDENTIFIABLE if not _explained(diagnosis):
+        case Verdict.NOT_IDENTIFIABLE if _far_above_noise_floor(diagnosis):
             left = diagnosis.found.root_process_noise / diagnosis.problem.angle_floor
             return (
                 f"Not identifiable from these recordings: the process noise is {number(left, 2)} times its floor, but "
@@ -78,8 +78,8 @@ def _value(parameter: Parameter | None, one: Estimate) -> str:
     return text + (unit if unit == "°" else f" {unit}" if unit else "")
 
 
-def _explained(diagnosis: Diagnosis) -> bool:
-    return Criterion(diagnosis.problem.settings).explained(diagnosis.problem, diagnosis.found)
+def _far_above_noise_floor(diagnosis: Diagnosis) -> bool:
+    return Criterion(diagnosis.problem.settings).far_above_noise_floor(diagnosis.problem, diagnosis.found)
 
 
 def _found(diagnosis: Diagnosis) -> str:

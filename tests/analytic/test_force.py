@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from analytic.effects import CATALOGUE, Acting, Effect, EffectError, Force, Parameter, joined, parameters_with
 from analytic.kernel import Grid, integrate
-from analytic.law import hermite
+from analytic.law import acceleration, hermite
 from analytic.models import CAM, coefficients
 from analytic.motion import FloatArray, beam_states
 from analytic.rig import Rig
@@ -83,6 +84,19 @@ def test_force_obeys_its_law(by: str) -> None:
     # Between nodes a cubic is exact and sin(20 α), the worst of them, off by F (20 h)⁴/384 = 1e-9 N at h = 1/256; that
     # moves the ball by K/m × 1e-9 × t²/2 = 1e-7 m in 5 s. The kernel's step leaves 1e-9 m.
     np.testing.assert_allclose(run(acting(Force(by, law), size)), expected, atol=1e-7)
+
+
+def test_a_force_of_the_rolled_angle_knows_how_the_ball_lay() -> None:
+    """Count the rolled angle from φ₀ where the effect says that it matters, as the imbalance of a ball does."""
+    effect = acting(Force("roll_angle", unbalance), 0.01)
+    turned = replace(effect, effect=replace(effect.effect, turning=True))
+    vector, bare = parameters_with(CAM, RIG, [turned], phase=0.7), coefficients(CAM, RIG)
+    vector[ORIGIN] = START[0]
+    state = (START[0] + 0.05, 0.1, 0.02, 0.0, 0.0)
+    pushed = (acceleration(*state, vector) - acceleration(*state, bare)) / RIG.rolling_ratio * RIG.mass
+    # nodes are 2π/256 apart: sin φ between them is off by h⁴/384 = 1e-9 of the force, slopes by as little
+    expected = float(unbalance(np.array(0.05 / RIG.rolling_radius + 0.7), 0.01))
+    assert pushed == pytest.approx(expected, abs=1e-9)
 
 
 def test_error_between_nodes_falls_with_the_fourth_power_of_their_distance() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from harness.errors import InputError
 from harness.identify.record import SCHEMA_FILE, DiagnosisRecord, ErrorsRecord, read_record, schema_text
 from tests.acceptance.short import write_short_case
 from tests.api.made import nothing_missing
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +34,18 @@ def test_a_record_is_valid_by_its_schema(record: DiagnosisRecord) -> None:
     """Write what the published schema describes."""
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(json.loads(record.text()), json.loads(schema_text()))
+
+
+def test_the_manual_names_the_keys_that_are_there(record: DiagnosisRecord) -> None:
+    """Describe no key in docs/diagnosis.md that the file does not have, and every key at its top."""
+    manual = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
+    table = manual[manual.index("### diagnosis.json") : manual.index("## Catalogue")]
+    named = set(re.findall(r"`(\w+)`", " ".join(line.split("|")[1] for line in table.splitlines() if "|" in line)))
+    content = json.loads(record.text())
+    keys = content.keys() | content["errors"].keys() | content["errors"]["heldout"]["before"].keys()
+    assert named <= keys
+    unnamed = {"schema", "sentence", "hidden_by_unknown_rig", "model", "inputs", "wall_time_s"}
+    assert content.keys() - named <= unnamed
 
 
 def test_a_record_comes_back_as_it_was(record: DiagnosisRecord, tmp_path: Path) -> None:

@@ -42,9 +42,7 @@ def named(name: str, value: float = 1.0, reach: float = 0.5, rivals: Iterable[st
 def row(of: Trial, *found: Named, spline_term: str | None = None) -> Row:
     """What came of a trial."""
     verdict = "unlisted" if spline_term else "effect" if found else "none"
-    return Row(
-        trial=of, source=SOURCE, verdict=verdict, named=found, depends_on=spline_term, unexplained=(9.0, 1.0), seconds=2.0
-    )
+    return Row(trial=of, source=SOURCE, verdict=verdict, named=found, depends_on=spline_term, seconds=2.0)
 
 
 def committed(docs: Path) -> dict[str, pd.DataFrame]:

@@ -18,9 +18,9 @@ from harness.identify.problem.spline_term import Regressor, blank
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
+from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.identify.validation.held_out import fit_folds, on_held_out, on_identify
 from harness.identify.validation.residual_acceleration import residual_acceleration
-from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.preparation.recordings import observe
 from harness.recording import load_case

@@ -85,10 +85,12 @@ def test_what_cannot_be_told(plain: Posed) -> None:
 
 
 def test_what_is_left_unexplained(plain: Posed) -> None:
-    """Report the unexplained process noise relative to its floor."""
+    """Report process noise far above its floor; where it is not, what could not be detected is the reason."""
     text = said(plain, Verdict.NOT_IDENTIFIABLE, left=54.0)
     assert "the process noise is 54 times its floor" in text
     assert "no law that was tried" in text
+    seen_too_little = said(plain, Verdict.NOT_IDENTIFIABLE, left=5.0, unseen=("track_bump",))
+    assert "track bump would be below the detection limit" in seen_too_little
 
 
 def test_short_recordings_tell_what_they_can(plain: Posed) -> None:

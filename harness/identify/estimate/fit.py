@@ -41,6 +41,8 @@ class Fit:
         deviance: −2 log likelihood up to a constant.
         covariance: of the parameters in their units, without overdispersion, shape (k, k).
         readings: number n of readings.
+        abandoned: whether it is a screening fit, or one of a single round, that was not continued because other
+            candidates were far better.
     """
 
     hypothesis: Hypothesis
@@ -50,6 +52,7 @@ class Fit:
     deviance: float
     covariance: FloatArray
     readings: int
+    abandoned: bool = False
 
     @property
     def refined(self) -> Hypothesis:
@@ -80,7 +83,7 @@ def fit(
     hypothesis: Hypothesis,
     *,
     process_noise: float = PROCESS_NOISE,
-    known: Mapping[tuple[str, str], float] | None = None,
+    initial: Mapping[tuple[str, str], float] | None = None,
     starts: Sequence[FloatArray] = (),
     rounds: int | None = None,
 ) -> Fit:
@@ -88,14 +91,14 @@ def fit(
 
     Args:
         process_noise: initial density [m²/s³]; with `starts` it is searched near this value only.
-        known: initial values by (effect, parameter).
+        initial: initial values by (effect, parameter).
         starts: initial scaled parameters, shape (k,) each, instead of the best screening fits.
         rounds: largest number of alternations of parameters and process noise; by default that of the settings.
     """
     settings = problem.settings
     width = _NEARBY if starts else _WIDE
     if not starts:
-        screened = screen(problem, hypothesis, process_noise, known or {})
+        screened = screen(problem, hypothesis, process_noise, initial or {})
         starts = [end.theta for end in screened[: settings.starts_followed]]
     rounds = rounds or settings.max_rounds
     fits = [_fit_from(problem, hypothesis, theta, process_noise, rounds, width) for theta in starts]

@@ -80,7 +80,7 @@ _STAND_INS = {effect.name: effect for effect in (_RATIO, _LEVER, LEVEL_ERROR, RO
 
 @dataclass(frozen=True)
 class _RigHypothesis(Hypothesis):
-    """A hypothesis of stand-ins, which are no effects of the catalogue."""
+    """A hypothesis of stand-ins."""
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:

@@ -54,7 +54,7 @@ def screen(
     problem: Problem,
     hypothesis: Hypothesis,
     process_noise: float,
-    known: Mapping[tuple[str, str], float],
+    initial: Mapping[tuple[str, str], float],
     *,
     without: float = math.inf,
     steps: Sequence[float] = (COARSE_STEP,),
@@ -63,17 +63,17 @@ def screen(
 
     Args:
         process_noise: initial density [m²/s³].
-        known: initial values by (effect, parameter).
-        without: deviance with the `known` effects alone. A start whose deviance is much higher is attenuated towards
-            them, into the range where the linearisation holds.
+        initial: initial values by (effect, parameter).
+        without: deviance with the effects in `initial` alone. A start whose deviance is much higher is attenuated
+            towards them, into the range where the linearisation holds.
         steps: of the Jacobian's differences, in scaled parameters: the first at every start, the others at the best.
             They smooth the ripple of the deviance that arises where the model's ball stops at wrong times.
     """
     limit = without + _FAR * problem.readings
     fits = []
-    for start in starting_points(problem, hypothesis, known, process_noise):
+    for start in starting_points(problem, hypothesis, initial, process_noise):
         residuals = Residuals(problem, hypothesis, process_noise)
-        weaker = (attenuated(hypothesis, start, factor, known) for factor in _ATTENUATIONS)
+        weaker = (attenuated(hypothesis, start, factor, initial) for factor in _ATTENUATIONS)
         near = next((theta for theta in weaker if residuals.deviance(theta) < limit), start)
         fits.append(_one_step(problem, hypothesis, near, residuals, steps[0]))
     by_deviance = attrgetter("deviance")

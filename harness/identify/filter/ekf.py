@@ -84,7 +84,7 @@ def extended_kalman_filter(
     Args:
         readings: of the position.
         beam: its motion on the integration grid.
-        p: kernel's vector with effects, shape (SLOTS,).
+        p: kernel's vector with effects, shape (SLOTS,) or longer where force laws follow.
         sensor: of the position.
         process_noise: density of the process noise [m²/s³].
     """

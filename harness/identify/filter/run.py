@@ -17,7 +17,7 @@ from harness.identify.filter.ekf import (
     negative_two_log_likelihood,
 )
 from harness.identify.problem.hypothesis import Terms
-from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class FilterRun:
 def dynamics(
     problem: Problem, recording: PreparedRecording, added: Terms, phase: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The kernel's vector, shape (SLOTS,), and the beam's table of one recording.
+    """The kernel's vector, shape (SLOTS,) or longer where force laws follow, and the beam's table of one recording.
 
     Args:
         added: terms beside the known effects.
@@ -85,7 +85,7 @@ def run_filter(
 
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
-    """Innovations of all recordings and their variances, shape (readings,) each [m], [m²]."""
+    """Innovations of all recordings and their variances, shape (readings,) each [m], [m²], at a density [m²/s³]."""
     runs = [(one.judged, run_filter(problem, one, added, process_noise)) for one in problem.recordings]
     return (
         np.concatenate([run.innovation[judged] for judged, run in runs]),
@@ -94,7 +94,7 @@ def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[F
 
 
 def deviance(problem: Problem, added: Terms, process_noise: float) -> float:
-    """Deviance of the innovations of all recordings."""
+    """Deviance of the innovations of all recordings, at a density of the process noise [m²/s³]."""
     return negative_two_log_likelihood(*innovations(problem, added, process_noise))
 
 
@@ -109,12 +109,5 @@ def deviance_of(
 ) -> float:
     """Deviance of the innovations of one recording; arguments as for `run_filter`."""
     run = run_filter(problem, recording, added, process_noise, phase=phase, reading=reading)
-    use = recording.judged if reading is None else predicted(reading)
+    use = recording.judged if reading is None else filtered_against(reading)
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])
-
-
-def predicted(reading: FloatArray) -> np.ndarray:
-    """Mask of the readings that are predicted, shape (n,): all but the first, which initialises the filter."""
-    use = np.isfinite(reading)
-    use[np.argmax(use)] = False
-    return use

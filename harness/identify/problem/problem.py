@@ -23,6 +23,13 @@ _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the a
 _LONGEST_STEP = 1e-2  # [s]: error 2e-6 m in 10 s even where the ball reverses, a hundredth of any sensor's noise
 
 
+def filtered_against(reading: FloatArray) -> NDArray[np.bool_]:
+    """Mask of the readings that the filter predicts, shape (n,): all but the first, which initialises it."""
+    use = np.isfinite(reading)
+    use[np.argmax(use)] = False
+    return use
+
+
 @dataclass(frozen=True)
 class PreparedRecording:
     """One recording: stamps, shape (n,) [s]; position readings, NaN where missing or an outlier, shape (n,) [m]."""
@@ -44,16 +51,16 @@ class PreparedRecording:
 
     @cached_property
     def table(self) -> FloatArray:
-        """α, α̇, α̈ of the measured beam motion on the grid."""
+        """α, α̇, α̈ of the measured beam motion on the grid of m steps, shape (2 m + 1, 3) [rad, s]."""
         return self.grid.tabulate(self.drive)
 
     @cached_property
     def times(self) -> FloatArray:
-        """Times of the table's rows [s]."""
+        """Times of the table's rows, shape (2 m + 1,) [s]."""
         return nodes(self.grid)
 
     def table_with(self, effects: Sequence[Acting]) -> FloatArray:
-        """The table where `effects` change the beam motion or delay the recorded position."""
+        """`table`, same shape, where `effects` change the beam motion or delay the recorded position."""
         delay = sensor_with(effects).delay
         if delay == 0.0 and all(term.effect.turn is None and term.effect.transmission is None for term in effects):
             return self.table
@@ -64,10 +71,8 @@ class PreparedRecording:
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Readings that are predicted, shape (n,): all but the first, which initialises the filter."""
-        use = np.isfinite(self.reading)
-        use[np.argmax(use)] = False
-        return use
+        """Mask of the readings that the filter predicts, shape (n,)."""
+        return filtered_against(self.reading)
 
     @property
     def origin(self) -> float:

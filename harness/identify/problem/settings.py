@@ -40,15 +40,16 @@ class Settings:
     )
     spline_keep: float = _setting(
         20.0,
-        "smallest decrease of the BIC for which a spline term is kept [1]",
+        "smallest decrease of the BIC for which a spline term is kept, and difference of the BIC up to which another "
+        "regressor is named too [1]",
         "eight kinds with twelve parameters each can fit small errors in the law of a catalogue effect",
     )
-    explained_ratio: float = _setting(
+    at_floor_ratio: float = _setting(
         3.0,
         "ratio of root process noise to the input-noise floor up to which nothing is left to explain [1]",
         "the floor is known within a factor of two; misspecified models are a factor of ten above it",
     )
-    unexplained_ratio: float = _setting(
+    above_floor_ratio: float = _setting(
         10.0,
         "the same ratio above which a result without any effect is not identifiable [1]",
         "an order of magnitude: something acts that neither the catalogue nor a spline term describes",
@@ -65,7 +66,8 @@ class Settings:
     )
     screened_share: float = _setting(
         0.1,
-        "share of the best predicted decrease that a candidate needs to be fitted [1]",
+        "share of the best predicted decrease that a candidate needs to be fitted, and of the decrease that remains "
+        "within which a further starting point is followed [1]",
         "nonlinear laws reach less of their predicted decrease than others",
     )
     replacement_share: float = _setting(
@@ -79,7 +81,7 @@ class Settings:
         "difference of the criterion from the best after one round of fitting beyond which a fit is abandoned [1]",
         "five times the difference below which two hypotheses are indistinguishable",
     )
-    absorbed_share: float = _setting(
+    main_effect_ratio: float = _setting(
         0.1,
         "ratio of process noise with and without an effect below which it is the main effect [1]",
         "the fit without a main effect has distorted values, so its replacements start from those with it",
@@ -96,7 +98,9 @@ class Settings:
         "a full fit gains about as much over a screening fit",
     )
     spline_nodes: int = _setting(
-        12, "initial number of nodes of a spline term; doubled if that pays", "resolves a bump of a tenth of the range"
+        12,
+        "initial number of nodes of a spline term, at most 24; doubled if that pays and they are at most 24",
+        "resolves a bump of a tenth of the range",
     )
     spline_share: float = _setting(
         0.5,

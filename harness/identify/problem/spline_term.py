@@ -1,7 +1,7 @@
 """Spline terms: unknown laws as cubic splines of position, velocity, angle, rolled angle or time.
 
 A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
-friction. The nodes, twelve or twice as many, are equidistant over the range of the recordings. The rolled angle counts
+friction. The nodes are equidistant over the range of the recordings. The rolled angle counts
 from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter.
 """
 
@@ -96,7 +96,7 @@ class SplineTerm:
         return np.asarray(spline_term_at(where, p))
 
     def write(self, p: FloatArray, phase: float = 0.0) -> None:
-        """Write the term into the kernel's vector, shape (SLOTS,), in place; a force of time is written by `load`.
+        """Write the term into the kernel's vector, shape (SLOTS,) or longer, in place; `load` writes a force of time.
 
         Args:
             phase: φ₀ [rad].
@@ -112,7 +112,13 @@ class SplineTerm:
         p[SHAPE_NODES : SHAPE_NODES + len(self.nodes)] = self.nodes
 
     def load(self, table: FloatArray, times: FloatArray, gravity: float) -> FloatArray:
-        """The beam's table with a term of time in it: a force as equivalent tilt, a friction as a further column."""
+        """The beam's table with a term of time in it: a force as equivalent tilt, a friction as a further column.
+
+        Args:
+            table: of m steps, shape (2 m + 1, 3) [rad, s].
+            times: of its rows, shape (2 m + 1,) [s].
+            gravity: g [m/s²].
+        """
         if self.depends is not Regressor.TIME:
             return table
         if self.friction:
@@ -121,9 +127,18 @@ class SplineTerm:
         table[:, 0] += self.at(times) / gravity
         return table
 
+    @property
+    def _finer_count(self) -> int:
+        return 2 * len(self.nodes) - (0 if self.turning else 1)
+
+    @property
+    def refinable(self) -> bool:
+        """Whether the kernel's vector has room for the nodes of `finer`."""
+        return self._finer_count <= MOST_NODES
+
     def finer(self) -> Self:
-        """The same spline with nodes at half the distance."""
-        count = 2 * len(self.nodes) - (0 if self.turning else 1)
+        """The same spline with nodes at half the distance: 2 n − 1 of them, 2 n if it is periodic."""
+        count = self._finer_count
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
 

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import TypeVar
 
 from analytic.effects import CATALOGUE
@@ -14,8 +15,8 @@ from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, scree
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
+from harness.progress import Progress
 
-Progress = Callable[[str], None]
 _S = TypeVar("_S")
 _T = TypeVar("_T")
 
@@ -54,7 +55,7 @@ def selected_effects(problem: Problem, found: Fit) -> tuple[str, ...]:
 
 def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
     """A fit of these effects, started from the values of `base`."""
-    return fit(problem, Hypothesis(names), process_noise=base.process_noise, known=base.values())
+    return fit(problem, Hypothesis(names), process_noise=base.process_noise, initial=base.values())
 
 
 def fit_candidates(
@@ -67,16 +68,16 @@ def fit_candidates(
         replacing: whether candidates replace that effect; they then have to explain most of what it did.
     """
     settings, criterion = problem.settings, Criterion(problem.settings)
-    explained = criterion.explained(problem, base)
+    at_floor = criterion.at_noise_floor(problem, base)
 
     def predicted_decrease(screened: list[ScreeningFit]) -> float:
         """Predicted decrease of the criterion; without the penalty on parameters where much is left to explain,
         because the process noise then hides the gain."""
         deviance = min(end.expected_deviance for end in screened)
-        price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if explained else 0.0
+        price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if at_floor else 0.0
         return (base.deviance - deviance) / settings.overdispersion - price
 
-    screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if explained or replacing else _STEPS)
+    screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if at_floor or replacing else _STEPS)
     if not screened:
         return []
     decreases = {name: predicted_decrease(screened[name]) for name in screened}
@@ -97,7 +98,7 @@ def fit_candidates(
     def finish(first: Fit) -> Fit:
         abandon = settings.abandon_behind if first.hypothesis.names[-1] in promising else 0.0
         if criterion.value(first) > best + abandon:
-            return first
+            return replace(first, abandoned=True)
         progress(f"fit: {' + '.join(first.hypothesis.names)}")
         return fit(problem, first.hypothesis, process_noise=first.process_noise, starts=[first.theta])
 

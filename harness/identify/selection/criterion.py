@@ -2,7 +2,8 @@
 
 Fits are compared by the quasi-BIC, D/ĉ + k log n: deviance D over the overdispersion ĉ, as in the QAIC (Lebreton et
 al., Ecological Monographs 62, 1992), and a penalty of log n for each of k parameters (Schwarz, Annals of Statistics 6,
-1978). If either fit has a spline term, both are compared by the BIC (ĉ = 1), with a higher threshold.
+1978). If either fit has a spline term, both are compared by the BIC (ĉ = 1); for the term itself the threshold is
+higher (`spline_keep`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from operator import itemgetter
+from typing import Literal
 
 import numpy as np
 
@@ -93,6 +95,11 @@ class Criterion:
         overdispersion = 1.0 if spline else self.settings.overdispersion
         return fit.deviance / overdispersion + math.log(fit.readings) * len(fit.theta)
 
+    def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT], tried: Fit, against: Fit) -> bool:
+        """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold."""
+        threshold = self.settings.spline_keep if rule is Rule.SPLINE else self.settings.pair_penalty
+        return self.gain(tried, against) > threshold
+
     def decide(self, rule: Rule, tried: Fit, against: Fit, evidence: Evidence = NONE) -> Decision:
         """Decide whether `tried` is kept in preference to `against`, the fit that it extends or would replace."""
         gain = self.gain(tried, against)
@@ -139,7 +146,7 @@ class Criterion:
 
     def _split(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """Two effects replace one if they lower the criterion by `pair_penalty`, and each of them by `keep`."""
-        better = gain > self.settings.pair_penalty
+        better = self.needs_evidence(Rule.SPLIT, tried, against)
         kept = better and all(self.gain(tried, single) > self.settings.keep for single in evidence.without)
         if better and not kept:
             return kept, "the pair fits better, but one of its effects is not needed"
@@ -154,7 +161,7 @@ class Criterion:
     def _spline(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """The best spline term is kept if it lowers the BIC by `spline_keep` and at least half of the recordings are
         predicted better by the fit to the others: a dozen parameters can fit what happened only once."""
-        significant = evidence.winner is tried and gain > self.settings.spline_keep
+        significant = evidence.winner is tried and self.needs_evidence(Rule.SPLINE, tried, against)
         wins = sum(after < before for before, after in zip(evidence.before, evidence.after, strict=True))
         reproducible = 2 * wins >= len(evidence.before)
         text = f"lowers the BIC by {gain:.0f}"
@@ -202,20 +209,21 @@ class Criterion:
         lowers = _lowers(tried, against, gain)
         if kept:
             return lowers
+        short = " (fit not continued)" if tried.abandoned else ""
         if not gain > 0.0:
-            return f"does not lower the {_name(tried, against)}"
+            return f"does not lower the {_name(tried, against)}{short}"
         if evidence.winner is None or evidence.winner is tried:
-            return f"{lowers}, too little"
+            return f"{lowers}, too little{short}"
         behind = self.value(tried) - self.value(evidence.winner)
-        return f"{lowers}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}"
+        return f"{lowers}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}{short}"
 
-    def explained(self, problem: Problem, fit: Fit) -> bool:
+    def at_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
-        return fit.root_process_noise < self.settings.explained_ratio * problem.angle_floor
+        return fit.root_process_noise < self.settings.at_floor_ratio * problem.angle_floor
 
-    def unexplained(self, problem: Problem, fit: Fit) -> bool:
+    def far_above_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is an order of magnitude above the input-noise floor: missing physics is certain."""
-        return fit.root_process_noise > self.settings.unexplained_ratio * problem.angle_floor
+        return fit.root_process_noise > self.settings.above_floor_ratio * problem.angle_floor
 
     def rivals(self, fit: Fit, found: Fit) -> bool:
         """Whether `fit` is indistinguishable from `found`; never if only one of them has a spline term."""

@@ -15,9 +15,10 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import folds, windows_of
-from harness.identify.selection.candidates import Progress, candidates, fit_candidates, selected_effects
+from harness.identify.selection.candidates import candidates, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
+from harness.progress import Progress
 
 
 def cross_validate(problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -27,7 +28,7 @@ def cross_validate(problem: Problem, base: Fit, found: Fit, ledger: Ledger, prog
         base: the fit without any effect.
     """
     settings = problem.settings
-    if ledger.criterion.explained(problem, found) or len(windows_of(problem.recordings)) < settings.min_windows:
+    if ledger.criterion.at_noise_floor(problem, found) or len(windows_of(problem.recordings)) < settings.min_windows:
         return found
     if found.hypothesis.spline is not None:
         plain = next(line.against for line in ledger.lines if line.kept and line.rule is Rule.SPLINE)
@@ -50,7 +51,7 @@ def held_out_errors(problem: Problem, full: Fit) -> tuple[float, ...]:
             fold.problem,
             full.refined,
             process_noise=full.process_noise,
-            known=full.values(),
+            initial=full.values(),
             rounds=problem.settings.validated_rounds,
         )
         tuned = tuned_to_windows(fold.problem, refit, windows_of(fold.problem.recordings))

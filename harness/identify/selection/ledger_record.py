@@ -73,6 +73,7 @@ def fit_record(fit: Fit, criterion: Criterion) -> FitRecord:
         process_noise_m2_s3=fit.process_noise,
         deviance=fit.deviance,
         criterion=criterion.value(fit),
+        abandoned=fit.abandoned,
     )
 
 

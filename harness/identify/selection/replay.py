@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
@@ -16,11 +16,11 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
-from harness.identify.selection.candidates import Progress
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.cross_validation import held_out_errors
 from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
 from harness.identify.selection.spline_terms import held_out_deviances
+from harness.progress import Progress, silent
 
 # Absolute tolerance of a deviance at the same parameters: its some thousand terms may round differently by up to 1e-9
 # on another processor; the smallest decision threshold is 1.
@@ -58,7 +58,7 @@ def replay(
     problem: Problem,
     *,
     refit: bool = False,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = silent,
 ) -> Replay:
     """Replay `ledger`, `fits` and `problem` of a diagnosis.json.
 
@@ -128,6 +128,7 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
         deviance(problem, at, process_noise),
         np.zeros((len(theta),) * 2),
         problem.readings,
+        entry.abandoned,
     )
 
 

@@ -18,9 +18,10 @@ from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import Progress, in_threads, selected_effects
+from harness.identify.selection.candidates import in_threads, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
+from harness.progress import Progress
 
 _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)  # process noise of a held-out recording over that of the others
 _OPEN = 1e-3  # process noise with which the filter follows the readings despite missing physics [m²/s³]
@@ -29,24 +30,24 @@ _OPEN = 1e-3  # process noise with which the filter follows the readings despite
 def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
     """`found` with the best spline term, or `found` if none is kept.
 
-    A spline term that is kept is refined to twice the nodes if that pays, and each effect found before is tested again
-    beside it.
+    A spline term that is kept is refined to twice the nodes if that pays and the kernel has room for them, and each
+    effect found before is tested again beside it.
     """
     tried = _fit_kinds(problem, found, progress)
     best = tried[0]
-    pays = ledger.criterion.gain(best, found) > problem.settings.spline_keep
+    pays = ledger.criterion.needs_evidence(Rule.SPLINE, best, found)
     before, after = held_out_deviances(problem, found, best, progress) if pays else ((), ())
     evidence = Evidence(winner=best, before=before, after=after)
     kept = [one for one in tried if ledger.decide(Rule.SPLINE, one, found, evidence=evidence)]
     if not kept:
         return found
-    best = _with_finer_spline(problem, best, ledger, progress)
+    best = _with_finer_spline(problem, best, ledger, progress) if _spline(best).refinable else best
     for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"without {name}")
         nested = _kind(best) in CATALOGUE[name].relations.nested_in
         spline = _with_effect_absorbed(problem, best, name) if nested else best.refined.spline
-        without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, known=best.values())
+        without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, initial=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
         best = best if stays else without
     return best
@@ -65,14 +66,15 @@ def _with_finer_spline(problem: Problem, best: Fit, ledger: Ledger, progress: Pr
     """The fit with twice the nodes of its spline term if that pays, else `best`."""
     progress(f"{_spline(best).name} with twice the nodes")
     finer = Hypothesis(best.hypothesis.names, _spline(best).finer())
-    refined = fit(problem, finer, process_noise=best.process_noise, known=best.values())
+    refined = fit(problem, finer, process_noise=best.process_noise, initial=best.values())
     return refined if ledger.decide(Rule.REFINE, refined, best) else best
 
 
 def _with_effect_absorbed(problem: Problem, best: Fit, name: str) -> SplineTerm:
     """The spline term, with the refined number of nodes, plus the law of an effect that is nested in it."""
     spline = _spline(best)
-    spline = spline if len(spline.nodes) > problem.settings.spline_nodes else spline.finer()
+    refined = len(spline.nodes) > problem.settings.spline_nodes or not spline.refinable
+    spline = spline if refined else spline.finer()
     (effect,) = (term for term in best.terms.effects if term.effect.name == name)
     return replace(spline, nodes=spline.nodes + _law_at_nodes(problem, effect, spline))
 
@@ -108,7 +110,7 @@ def held_out_deviances(
     for fold in folds(problem):
         progress(f"spline term: {fold.title} held out")
         for full, deviances in ((found, before), (best, after)):
-            refit = fit(fold.problem, full.refined, process_noise=full.process_noise, known=full.values())
+            refit = fit(fold.problem, full.refined, process_noise=full.process_noise, initial=full.values())
             deviances.append(_held_out_deviance(fold, refit))
     return tuple(before), tuple(after)
 

@@ -6,10 +6,11 @@ from operator import itemgetter
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Progress, best_screened, fit_candidates, selected_effects
+from harness.identify.selection.candidates import best_screened, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.swaps import swap_steps
+from harness.progress import Progress
 
 
 def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -25,7 +26,7 @@ def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) ->
     settings, criterion = problem.settings, ledger.criterion
     first = fit_candidates(problem, base, progress)
     best = _grow(problem, base, ledger.decide_round(Rule.ADD, first, base), ledger, progress)
-    if not first or criterion.explained(problem, best):
+    if not first or criterion.at_noise_floor(problem, best):
         return best
     least = max(settings.keep, settings.restart_share * criterion.gain(first[0], base))
     runners_up = [fit for fit in first[1 : 1 + settings.restarts_from] if criterion.gain(fit, base) > least]

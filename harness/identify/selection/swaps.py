@@ -10,9 +10,10 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.starts import starting_points
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import Progress, fit_candidates, refitted, selected_effects
+from harness.identify.selection.candidates import fit_candidates, refitted, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
+from harness.progress import Progress
 
 
 def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -41,7 +42,7 @@ def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fi
         without = refitted(problem, rest, best)
         if not ledger.decide(Rule.DROP, best, without, (name,)):
             return without
-        main = best.process_noise < problem.settings.absorbed_share * without.process_noise
+        main = best.process_noise < problem.settings.main_effect_ratio * without.process_noise
         start = _at_values_of(problem, without, best) if main else without
         tried = fit_candidates(problem, start, progress, excluding=name, replacing=main)
         swapped = ledger.decide_round(Rule.SWAP, tried, without, holder=best)
@@ -85,6 +86,6 @@ def _split(problem: Problem, best: Fit, name: str, pair: tuple[str, str], ledger
     progress(f"{' + '.join(pair)} in place of {name}")
     rest = tuple(other for other in best.hypothesis.names if other != name)
     both = refitted(problem, (*rest, *pair), best)
-    better = ledger.criterion.gain(both, best) > problem.settings.pair_penalty  # else fits of one alone are not needed
+    better = ledger.criterion.needs_evidence(Rule.SPLIT, both, best)
     without = tuple(refitted(problem, (*rest, single), both) for single in pair) if better else ()
     return both if ledger.decide(Rule.SPLIT, both, best, pair, Evidence(without=without)) else best

@@ -53,10 +53,10 @@ def compare_with_baselines(held: Sequence[HeldOut], progress: Progress = silent)
     """Errors of the model, before and after, and of the baselines on held-out windows; `None` without any window."""
     errors: dict[str, list[float]] = {name: [] for name in (BEFORE, AFTER, *BASELINES)}
     for split in held:
-        fitted, held_out = windows_of(split.problem.recordings), windows_of(split.left)
+        fitted, held_out = windows_of(split.problem.recordings), windows_of(split.compared)
         if not fitted or not held_out:
             continue
-        progress(f"baselines: {', '.join(recording.name for recording in split.left)}")
+        progress(f"baselines: {', '.join(recording.name for recording in split.compared)}")
         before = window_errors(split.problem, tuned_to_windows(split.problem, split.base, fitted), held_out)
         same = split.found.hypothesis == split.base.hypothesis
         errors[BEFORE] += before

@@ -6,7 +6,7 @@ represents an angle offset.
 
 Both are linear but for F: gains and initial states follow by linear least squares, and only the two parameters of F are
 searched for (variable projection, Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973). They are fitted to free runs over
-windows as long as the predicted ones, which gives lower errors than whole recordings (docs/diagnosis.md).
+windows as long as the predicted ones, which gives lower errors than whole recordings (docs/diagnosis_experiments.md).
 """
 
 from __future__ import annotations

@@ -69,16 +69,16 @@ def engines_running(
     runs: dict[Hashable, Callable[[], Squares | str]] = {}
     for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
         for split in (main, *held):
-            for fit, recording in itertools.product((split.base, split.found), split.left):
+            for fit, recording in itertools.product((split.base, split.found), split.compared):
                 runs[_key(engine, fit, recording)] = partial(_squares, split.problem, fit, recording, engine)
-    title = f"{' and '.join(engines)} on {', '.join(recording.name for recording in main.left)}"
+    title = f"{' and '.join(engines)} on {', '.join(recording.name for recording in main.compared)}"
 
     def before_after(
         engine: Engine, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | str]
     ) -> dict[str, Any]:
         return {
             when: _errors(
-                [results[_key(engine, fit(split), recording)] for split in splits for recording in split.left]
+                [results[_key(engine, fit(split), recording)] for split in splits for recording in split.compared]
             )
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
@@ -138,13 +138,13 @@ class _Scene:
     def __init__(self, problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> None:
         self.problem, self.found, self.recording = problem, found, recording
         phase = phase_of(problem, found, recording, recording.reading)
-        declared = (*problem.declared, *found.terms.effects)
+        self.effects = (*problem.declared, *found.terms.effects)
         gain = problem.sensor(found.terms.effects)[0]
-        self.rig: Rig = rig_with(problem.rig, declared)
+        self.rig: Rig = rig_with(problem.rig, self.effects)
         self.origin = recording.origin / gain
         spline = found.terms.spline
         self.law = None if spline is None else _law(spline, phase, problem.rig.gravity)
-        self.effects, self.phase = declared, phase
+        self.phase = phase
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
         self.engine = engine

@@ -13,7 +13,7 @@ from harness.identify.estimate.forecast import filtered
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
-from harness.identify.validation.whiteness import Dependence, beam_dependence, joined
+from harness.identify.validation.beam_dependence import Dependence, beam_dependence, joined
 from harness.progress import Progress, silent
 
 
@@ -23,14 +23,14 @@ class Errors:
 
     Attributes:
         rms: RMS error by horizon ("1 s" …, "whole") [m].
-        whiteness: lag-1 autocorrelation of the normalised innovations, near 0 for a complete model [1].
-        ratio: RMS innovation over the standard deviation of a reading, near 1 at best [1].
+        innovation_correlation: lag-1 autocorrelation of the normalised innovations, near 0 for a complete model [1].
+        innovation_over_noise: RMS innovation over the standard deviation of a reading, near 1 at best [1].
         beam: dependence of the innovations on the beam's past "angle", "rate" and "acceleration".
     """
 
     rms: Mapping[str, float]
-    whiteness: float
-    ratio: float
+    innovation_correlation: float
+    innovation_over_noise: float
     beam: Mapping[str, Dependence] = field(default_factory=dict)
 
 
@@ -43,7 +43,7 @@ def errors(
     recording predicted from its first two seconds.
     """
     squares: dict[str, list[FloatArray]] = {}
-    white, ratios, beam = [], [], []
+    correlations, variance_ratios, beam = [], [], []
     for recording in recordings:
         progress(f"prediction errors: {recording.name}")
         time = recording.time - recording.time[0]
@@ -55,13 +55,13 @@ def errors(
                 out = filtered(problem, found, recording, reading)
                 squares.setdefault(name, []).append((out.recorded - recording.reading)[judged] ** 2)
         one_step = filtered(problem, found, recording, recording.reading)
-        ratio = one_step.innovation / np.sqrt(one_step.innovation_variance)
-        z = ratio[recording.judged]
-        white.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
-        ratios.append(float(np.mean(one_step.innovation[recording.judged] ** 2) / problem.reading_variance))
-        beam.append(beam_dependence(recording.time, ratio, recording.judged, recording.drive))
+        normalised = one_step.innovation / np.sqrt(one_step.innovation_variance)
+        z = normalised[recording.judged]
+        correlations.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))
+        variance_ratios.append(float(np.mean(one_step.innovation[recording.judged] ** 2) / problem.reading_variance))
+        beam.append(beam_dependence(recording.time, normalised, recording.judged, recording.drive))
     rms = {name: float(np.sqrt(np.mean(np.concatenate(each)))) for name, each in squares.items()}
-    return Errors(rms, float(np.mean(white)), float(np.sqrt(np.mean(ratios))), joined(beam))
+    return Errors(rms, float(np.mean(correlations)), float(np.sqrt(np.mean(variance_ratios))), joined(beam))
 
 
 @dataclass(frozen=True)
@@ -88,18 +88,18 @@ def on_another(
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Fits to some recordings, and the recordings with which their predictions are compared.
+    """Fits to some recordings, and recordings, held-out ones or the same, with which predictions are compared.
 
     Attributes:
         problem: the recordings fitted to.
         base, found: fits to them, without and with the identified terms.
-        left: the held-out recordings.
+        compared: recordings to predict.
     """
 
     problem: Problem
     base: Fit
     found: Fit
-    left: tuple[PreparedRecording, ...]
+    compared: tuple[PreparedRecording, ...]
 
 
 def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = silent) -> tuple[HeldOut, ...]:
@@ -108,8 +108,8 @@ def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = sile
     for fold in folds(problem):
         progress(f"fit with {fold.title} held out")
         rest = fold.problem
-        without = fit(rest, Hypothesis(problem.unknown), process_noise=base.process_noise, known=base.values())
-        with_terms = fit(rest, found.refined, process_noise=found.process_noise, known=found.values())
+        without = fit(rest, Hypothesis(problem.unknown), process_noise=base.process_noise, initial=base.values())
+        with_terms = fit(rest, found.refined, process_noise=found.process_noise, initial=found.values())
         held.append(HeldOut(rest, without, with_terms, fold.left))
     return tuple(held)
 
@@ -117,8 +117,8 @@ def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = sile
 def on_held_out(parts: Sequence[HeldOut]) -> BeforeAfter:
     """Errors on held-out recordings, averaged over the folds."""
     return BeforeAfter(
-        _mean([errors(part.problem, part.base, part.left) for part in parts]),
-        _mean([errors(part.problem, part.found, part.left) for part in parts]),
+        _mean([errors(part.problem, part.base, part.compared) for part in parts]),
+        _mean([errors(part.problem, part.found, part.compared) for part in parts]),
     )
 
 
@@ -127,7 +127,7 @@ def _mean(parts: Sequence[Errors]) -> Errors:
     rms = {name: float(np.sqrt(np.mean([part.rms[name] ** 2 for part in parts if name in part.rms]))) for name in names}
     return Errors(
         rms,
-        float(np.mean([part.whiteness for part in parts])),
-        float(np.sqrt(np.mean([part.ratio**2 for part in parts]))),
+        float(np.mean([part.innovation_correlation for part in parts])),
+        float(np.sqrt(np.mean([part.innovation_over_noise**2 for part in parts]))),
         joined(part.beam for part in parts),
     )

@@ -8,9 +8,9 @@ import numpy as np
 
 from harness.formatting import NONE, brief, fixed, number
 from harness.identify.problem.windows import KNOWN
+from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.identify.validation.engine_errors import entries
 from harness.identify.validation.held_out import BeforeAfter, Errors
-from harness.identify.validation.whiteness import SIGNIFICANT
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.plots import Picture, drawing, picture, plain_log, style
@@ -91,8 +91,8 @@ def _innovations(account: Account) -> Table:
     columns = [*texts("innovations"), *_heads(account, named)]
     each: list[Errors] = [getattr(one, when) for one in named.values() for when in _whens(account)]
     rows = [
-        ("RMS over the reading noise", *(number(one.ratio) for one in each)),
-        ("autocorrelation at lag 1", *(fixed(one.whiteness, 3) for one in each)),
+        ("RMS over the reading noise", *(number(one.innovation_over_noise) for one in each)),
+        ("autocorrelation at lag 1", *(fixed(one.innovation_correlation, 3) for one in each)),
     ]
     for key, symbol in _INPUTS.items():
         tests = [one.beam.get(key) for one in each]

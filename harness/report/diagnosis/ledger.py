@@ -9,7 +9,7 @@ from harness.report.page import Section
 from harness.report.tables import Column, Row, Table, texts
 
 _MAX_ROWS = 6  # per table
-_MAX_DIFFERENCE = 1000.0  # of the criterion; worse hypotheses were screened but not fitted
+_MAX_DIFFERENCE = 1000.0  # of the criterion: what is so much worse tells nothing of the effect found
 
 
 def rivals(account: Account) -> Section | None:
@@ -70,7 +70,7 @@ def _table(account: Account, caption: str, others: list[Line]) -> Table:
 
 
 def ledger(account: Account) -> Section:
-    """All fitted hypotheses in order, and whether each was kept."""
+    """All hypotheses tried, in order, and whether each was kept."""
     lines = account.diagnosis.ledger
     rows = [
         Row(

@@ -12,7 +12,7 @@ from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.windows import KNOWN
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
-from harness.identify.validation.whiteness import SIGNIFICANT
+from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.numerics import rms
 from harness.report import plots
 from harness.report.diagnosis.account import FOUND, MODEL, Account
@@ -79,7 +79,7 @@ def _independence(account: Account) -> str:
     if not any(one.freedom for one in tests.values()):
         return "too few readings to test"
     least = min(one.p for one in tests.values())
-    size = number(account.diagnosis.heldout.after.ratio)
+    size = number(account.diagnosis.heldout.after.innovation_over_noise)
     relation = "independent of" if least >= SIGNIFICANT else "not independent of"
     return f"held out, {size} times the reading noise, {relation} the beam's motion (smallest p = {brief(least, 2)})"
 

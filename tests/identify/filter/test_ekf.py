@@ -160,13 +160,13 @@ def test_process_noise_is_what_the_angle_leaves(tmp_path: Path, seed: int) -> No
     found = fit(problem, Hypothesis(()))
     # The angle's error is not white as the filter takes it to be; what the search relies on is a factor of 3 upwards.
     # Downwards the same factor holds: less would mean that the noise of the reading has swallowed the angle's.
-    assert Criterion().explained(problem, found)
+    assert Criterion().at_noise_floor(problem, found)
     assert found.root_process_noise > problem.angle_floor / 3.0
     # A model that lacks something has far more: here a beam that is 0.2° off its level.
     level = Problem(
         problem.recordings, problem.rig.with_(level_angle=0.003), problem.declared, problem.reading_variance
     )
-    assert not Criterion().explained(level, fit(level, Hypothesis(())))
+    assert not Criterion().at_noise_floor(level, fit(level, Hypothesis(())))
 
 
 @pytest.mark.parametrize(
@@ -195,4 +195,4 @@ def test_a_ball_that_rests_in_the_filter_may_roll_in_truth(
     problem = problem_of(load_case(tmp_path / "case"))
     # The factor of 3 of what counts as explained. By infinitesimal slopes the filter is certain that its ball rests,
     # and can follow one that rolls on only with 52 and 30 times the floor.
-    assert Criterion().explained(problem, fit(problem, Hypothesis(tuple(hidden))))
+    assert Criterion().at_noise_floor(problem, fit(problem, Hypothesis(tuple(hidden))))

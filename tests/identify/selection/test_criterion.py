@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -245,6 +246,33 @@ def test_a_candidate_that_is_not_best_is_told_which_was() -> None:
 
 
 @pytest.mark.parametrize(
+    ("score", "said"), [(120.0, "does not lower the quasi-BIC"), (97.0, "lowers the quasi-BIC by 3.0")]
+)
+def test_a_candidate_whose_fit_was_not_continued_says_so(score: float, said: str) -> None:
+    """Tell a candidate that a screening fit ruled out from one that was fitted to the end."""
+    without, best = made(100.0), made(40.0, "level_error")
+    ended = made(score, "track_curvature")
+    for fit, ending in ((ended, ""), (replace(ended, abandoned=True), " (fit not continued)")):
+        because = C.decide(Rule.ADD, fit, without, Evidence(winner=best)).because
+        assert because.startswith(said)
+        assert because.endswith(" (fit not continued)") is bool(ending)
+
+
+@pytest.mark.parametrize(
+    ("rule", "threshold"), [(Rule.SPLINE, DEFAULT.spline_keep), (Rule.SPLIT, DEFAULT.pair_penalty)]
+)
+def test_further_evidence_is_needed_only_where_it_can_decide(rule: Rule, threshold: float) -> None:
+    """Ask for it beyond the first threshold of the rule, which no evidence makes up for."""
+    spline = rule is Rule.SPLINE
+    without = made(100.0, spline=spline)
+    for gain, needed in ((threshold - 0.01, False), (threshold + 0.01, True)):
+        tried = made(100.0 - gain, spline=spline)
+        assert C.needs_evidence(rule, tried, without) is needed
+        best = Evidence(winner=tried, before=(10.0,), after=(9.0,))
+        assert C.decide(rule, tried, without, best).kept is needed
+
+
+@pytest.mark.parametrize(
     ("gain", "after", "said"),
     [
         (50.0, (9.0,), "lowers the BIC by 50"),
@@ -285,13 +313,13 @@ def test_held_out_figures_come_in_pairs() -> None:
 
 @pytest.mark.parametrize(("ratio", "below", "above"), [(0.99, True, False), (1.0, False, False), (1.01, False, True)])
 def test_what_is_left_is_judged_against_the_floor_of_the_input_noise(ratio: float, below: bool, above: bool) -> None:
-    """Call a fit explained below the one multiple of the floor, and unexplained above the other."""
+    """Call a fit at the floor below the one multiple of it, and far above it beyond the other."""
     one = made(0.0)
     for factor in (1.0, 4.0):  # powers of two, so that the product is exact
-        criterion = Criterion(Settings(explained_ratio=factor, unexplained_ratio=factor))
+        criterion = Criterion(Settings(at_floor_ratio=factor, above_floor_ratio=factor))
         floor = cast(Problem, SimpleNamespace(angle_floor=one.root_process_noise / factor / ratio))
-        assert criterion.explained(floor, one) is below
-        assert criterion.unexplained(floor, one) is above
+        assert criterion.at_noise_floor(floor, one) is below
+        assert criterion.far_above_noise_floor(floor, one) is above
 
 
 def test_exactly_so_far_behind_is_no_rival() -> None:

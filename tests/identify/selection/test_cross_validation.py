@@ -19,7 +19,7 @@ from tests.posed import pose
 
 HIDDEN = "rolling_resistance"
 # Two recordings of 16 s hold eight windows; as if the angle were so well known that nothing counts as explained.
-SETTINGS = Settings(min_windows=8, explained_ratio=0.0)
+SETTINGS = Settings(min_windows=8, at_floor_ratio=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ def test_what_acts_is_added_by_its_predictions(rolling: tuple[Problem, Fit, Fit]
 def test_few_windows_decide_nothing(rolling: tuple[Problem, Fit, Fit]) -> None:
     """Leave what was found as it is where there are too few windows, or nothing is left to explain."""
     problem, without, with_it = rolling
-    for change in ({"min_windows": 9}, {"explained_ratio": 1e9}):
+    for change in ({"min_windows": 9}, {"at_floor_ratio": 1e9}):
         found, ledger = validated(problem, without, with_it, **change)  # type: ignore[arg-type]
         assert found is with_it
         assert ledger.lines == []

@@ -155,7 +155,7 @@ def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, A
 def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) -> None:
     """Decide again a search that tried a runner-up as well, and held both ends against each other."""
     # as if much were left: nothing counts as explained, any runner-up may begin, and spline terms never pay
-    never = Settings(explained_ratio=0.0, restart_share=0.0, restart_slack=1e9, spline_keep=1e9)
+    never = Settings(at_floor_ratio=0.0, restart_share=0.0, restart_slack=1e9, spline_keep=1e9)
     problem = replace(searched[0], settings=never)
     selection = search(problem)
     assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}

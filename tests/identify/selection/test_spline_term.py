@@ -107,6 +107,20 @@ def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
     np.testing.assert_array_equal(column[:, -1], dry.at(record.times))
 
 
+@pytest.mark.parametrize(
+    ("depends", "count", "refined"),
+    [(Regressor.POSITION, 12, 23), (Regressor.POSITION, 13, None), (Regressor.ROLL_ANGLE, 12, 24)],
+)
+def test_a_spline_term_is_refined_while_the_kernel_has_room(
+    depends: Regressor, count: int, refined: int | None
+) -> None:
+    """Halve the distance of the nodes, one fewer between them unless they lie on a circle, up to 24 nodes."""
+    spline = blank(depends, False, 0.0, 1.0, count)
+    assert spline.refinable is (refined is not None)
+    if refined is not None:
+        assert len(spline.finer().nodes) == refined
+
+
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
 def test_a_blank_spline_term_changes_nothing(plain: Posed, depends: Regressor, friction: bool) -> None:
     """Predict with a spline term of zeros exactly what is predicted without one."""

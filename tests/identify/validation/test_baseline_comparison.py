@@ -99,7 +99,7 @@ def test_short_recordings_hold_no_compare_with_baselines(rolling: tuple[Posed, F
     short = tuple(
         replace(one, time=one.time[:400], reading=one.reading[:400], name=one.name) for one in posed.problem.recordings
     )
-    held = [replace(one, left=short[:1]) for one in fit_folds(posed.problem, base, found)]
+    held = [replace(one, compared=short[:1]) for one in fit_folds(posed.problem, base, found)]
     assert compare_with_baselines(held) is None
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from harness.identify.validation.whiteness import LAGS, SIGNIFICANT, beam_dependence, dependence, joined
+from harness.identify.validation.beam_dependence import LAGS, SIGNIFICANT, beam_dependence, dependence, joined
 from tests.motions import Sines
 
 TIME = np.arange(0.0, 16.0, 0.01)
