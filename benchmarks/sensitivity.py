@@ -26,7 +26,7 @@ _CHOSEN = (
     ("power", "rolling_resistance", _NEAR, 1),
     ("power", "channel_delay", _NEAR, 1),
     ("confusion", "track_curvature + viscous_damping", 1.0, 1),
-    ("confusion", "rough_patch", 1.0, 1),
+    ("confusion", "cubic_drag", 1.0, 1),
 )
 FACTORS = (0.5, 2.0)
 
