@@ -14,6 +14,8 @@ from benchmarks.sensitivity import changed, chosen, main, page
 from harness.identify.problem.settings import DEFAULT, Settings
 from tests.benchmarks.made import named, row, trial
 
+ROOT = Path(__file__).parents[2]
+
 
 def of(setting: str, scale: float) -> Trial:
     """An effect-free trial with one setting changed."""
@@ -72,3 +74,10 @@ def test_the_command_computes_nothing_twice(tmp_path: Path, monkeypatch: pytest.
     done = CliRunner().invoke(main, ["--rows", str(store.path), "--out", str(out), "--jobs", "1"])
     assert done.exit_code == 0, done.output
     assert "| 1 of 1 | 0 of 1 |" in out.read_text(encoding="utf-8")
+
+
+def test_the_published_table_has_every_setting_as_it_is() -> None:
+    """List name and default of every field, in order; `make sensitivity` writes the page anew."""
+    lines = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8").splitlines()
+    rows = [line.split(" | ")[:2] for line in lines if line.startswith("| `")]
+    assert rows == [[f"| `{name}`", f"{default:g}"] for name, default, *_ in Settings.described()]
