@@ -117,6 +117,7 @@ def test_a_folder_that_cannot_be_made(harness: Harness, case: Path) -> None:
     assert_refused(harness("run", case, "--out", "/proc/nowhere"), "/proc/nowhere", "--out")
 
 
+@pytest.mark.slow
 def test_a_falling_ball(harness: Harness, case: Path) -> None:
     """Exit with 3 and one message where an engine drops the ball, and still report all other sources."""
     soft = ("--set", "pybullet.contact_stiffness=10", "--set", "pybullet.contact_damping=0.1")

@@ -68,6 +68,7 @@ def test_eccentric_pivot_is_refuted_where_fine_data_show_it(free: Study) -> None
     assert verdicts(free)["b"] is Verdict.REFUTED
 
 
+@pytest.mark.slow
 def test_eccentric_pivot_is_confirmed_where_the_lever_vanishes(make_case: Callable[..., Made]) -> None:
     """Confirm (b) where the pivot lies so far above the edges that α̈ has no lever."""
     lever_free = RIG.with_(eccentricity=-(RIG.lever - RIG.eccentricity))

@@ -23,7 +23,7 @@ def signals(*args: object, **options: object) -> Signals:
     return Signals(time, angle, position, np.zeros(len(time), bool))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 @pytest.mark.parametrize(
     ("motion", "rig", "options"),
     [

@@ -189,6 +189,7 @@ def style(time: FloatArray, angle: FloatArray, position: FloatArray) -> dict[str
     }
 
 
+@pytest.mark.slow
 def test_recordings_have_the_style_of_the_cases(shared: Path) -> None:
     """Lie, in every figure's mean, within the spread of the recordings of the cases."""
     theirs = []

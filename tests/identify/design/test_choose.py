@@ -48,7 +48,9 @@ def pairs(radius: Short, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     }
 
 
-@pytest.mark.parametrize("name", ["radius", "curvature", "rolling", "damping"])
+@pytest.mark.parametrize(
+    "name", ["radius", "rolling", *(pytest.param(name, marks=pytest.mark.slow) for name in ("curvature", "damping"))]
+)
 def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: dict[str, Short]) -> None:
     """Expect the separation that comes out when the virtual rig plays the profile and both are fitted to its records.
 
