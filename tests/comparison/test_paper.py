@@ -14,6 +14,7 @@ from harness.simulator import Plant
 from tests.comparison.made import COARSE, FINE, KNOWN, RIG, Made, sensors, steps, swing, write_case
 
 LEVEL, RESISTANCE = -0.0005, 0.0035
+pytestmark = pytest.mark.slow
 
 
 def claims_of(made: Made, **choices: object) -> dict[str, Claim]:
@@ -68,7 +69,6 @@ def test_eccentric_pivot_is_refuted_where_fine_data_show_it(free: Study) -> None
     assert verdicts(free)["b"] is Verdict.REFUTED
 
 
-@pytest.mark.slow
 def test_eccentric_pivot_is_confirmed_where_the_lever_vanishes(make_case: Callable[..., Made]) -> None:
     """Confirm (b) where the pivot lies so far above the edges that α̈ has no lever."""
     lever_free = RIG.with_(eccentricity=-(RIG.lever - RIG.eccentricity))
@@ -76,7 +76,6 @@ def test_eccentric_pivot_is_confirmed_where_the_lever_vanishes(make_case: Callab
     assert claims_of(make_case(steps, Plant(rig=lever_free), FINE))["b"].verdict is Verdict.CONFIRMED
 
 
-@pytest.mark.slow
 def test_eccentric_pivot_is_confirmed_where_other_defects_bury_it(make_case: Callable[..., Made]) -> None:
     """Confirm (b) if missing physics, a braking patch, dominates so that the α̈ term hardly reduces the error."""
     plant = Plant(force=drag_of_a_patch)

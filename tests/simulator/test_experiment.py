@@ -62,6 +62,7 @@ def test_noise_is_as_declared(noise: float) -> None:
     assert np.std(one.record.angle - one.angle) == pytest.approx(expected, rel=0.07)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*EACH, *EACH_UNLISTED])
 def test_every_effect_shows_in_its_case(name: str) -> None:
     """Move the ball, or its record, otherwise than the declared rig would under the same measured angle."""

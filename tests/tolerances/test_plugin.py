@@ -102,6 +102,7 @@ def test_a_soft_contact_breaks_the_limit_against_cam(pytester: pytest.Pytester, 
     result.stdout.no_fnmatch_line("*.py:*")
 
 
+@pytest.mark.slow
 def test_a_ball_that_slides_breaks_every_limit_on_its_engine(pytester: pytest.Pytester, make_case: MakeCase) -> None:
     """Name the engine's failure where friction is too low to roll: at 3° that takes more than 0.016."""
     result = run(pytester, "--case", make_case(tolerances=LIMITS), "--set", "mujoco.friction=0.001")
@@ -109,6 +110,7 @@ def test_a_ball_that_slides_breaks_every_limit_on_its_engine(pytester: pytest.Py
     result.stdout.fnmatch_lines(["mujoco failed at t = * s: *raise the friction coefficient*"])
 
 
+@pytest.mark.slow
 def test_an_angle_of_the_wrong_sense_breaks_the_limits_on_the_measurement(
     pytester: pytest.Pytester, make_case: MakeCase
 ) -> None:
@@ -147,6 +149,7 @@ def test_limits_are_chosen_by_word_and_by_engine(pytester: pytest.Pytester, make
     by_engine.stdout.fnmatch_lines(["1 of 3 limits not checked: 1 on pybullet"])
 
 
+@pytest.mark.slow
 def test_the_first_broken_limit_may_end_the_session(pytester: pytest.Pytester, make_case: MakeCase) -> None:
     """Stop at the first broken limit with `-x`, and list what was checked until then."""
     result = run(pytester, "--case", make_case(tolerances=LIMITS), "--set", SOFT, "-x")

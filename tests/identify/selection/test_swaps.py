@@ -34,6 +34,7 @@ def swapped(problem: Problem, *names: str) -> tuple[Fit, Ledger]:
     return swap_steps(problem, fit(problem, Hypothesis(names)), ledger, lambda _: None), ledger
 
 
+@pytest.mark.slow
 def test_an_idle_effect_is_dropped(rolling: Problem) -> None:
     """Drop what does not pay beside what acts, and say so."""
     found, ledger = swapped(rolling, ROLLING, "position_lag")
@@ -43,6 +44,7 @@ def test_an_idle_effect_is_dropped(rolling: Problem) -> None:
     assert "no longer needed" in dropped.because
 
 
+@pytest.mark.slow
 def test_what_stood_in_gives_way(rolling: Problem) -> None:
     """Put the resistance in the place of a damping that imitates it beside an idle effect, then drop that."""
     found, ledger = swapped(rolling, "viscous_damping", "position_lag")

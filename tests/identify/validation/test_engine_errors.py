@@ -97,6 +97,7 @@ def test_an_effect_does_the_same_in_the_engines(
     agree(short, base, found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("depends", "friction"), KINDS)
 def test_a_spline_term_is_the_same_in_the_engines(
     short: Problem, base: Fit, depends: Regressor, friction: bool
