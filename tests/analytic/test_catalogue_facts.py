@@ -1,0 +1,117 @@
+"""What the catalogue says of its effects is so: where they vanish, where they are, what contains their laws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic.effects import (
+    CATALOGUE,
+    Acting,
+    Effect,
+    acting,
+    parameters_with,
+    rig_with,
+    sensor_with,
+    transmission_with,
+)
+from analytic.law import acceleration, dry_limit, normal_force
+from analytic.models import CAM
+from analytic.motion import FloatArray
+from analytic.rig import Rig
+from analytic.slots import DAHL, ORIGIN, TRACTION
+from analytic.step import dahl_limit
+
+RIG = Rig()
+NOTHING: list[Acting] = []
+# s [m], ṡ [m/s], α [rad], α̇ [rad/s], α̈ [rad/s²]: resting, rolling either way, the beam turning either way
+STATES = [
+    (s, v, angle, rate, angular)
+    for s in (0.0, 0.1, 0.29, 0.52)
+    for v in (-0.3, 0.0, 0.2)
+    for angle, rate, angular in ((-0.05, 0.0, 0.0), (0.04, 0.3, -2.0))
+]
+
+
+def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> FloatArray:
+    """All that effects do to ball and sensor: acceleration, both frictions, slip, Dahl friction, gains, delays."""
+    p = parameters_with(CAM, RIG, effects, phase=0.4)
+    p[ORIGIN] = 0.2
+    gains, sensor = transmission_with(effects), sensor_with(effects)
+    fixed = [p[TRACTION], p[DAHL], gains.gain, gains.play, sensor.gain, sensor.lag, sensor.delay]
+    fixed += [rig_with(RIG, effects).rolling_ratio, rig_with(RIG, effects).lever]
+    laws = [
+        (acceleration(*at, p), *(dry_limit(at[0], at[1], towards, *at[2:], p) for towards in (1.0, -1.0)))
+        for at in states
+    ]
+    return np.array([*fixed, *np.ravel(laws)])
+
+
+def at(effect: Effect, **changed: float) -> list[Acting]:
+    """The effect at its typical values, but for those given."""
+    return [acting(effect.name, {one.name: one.typical for one in effect.parameters} | changed)]
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
+def test_an_effect_vanishes_with_its_strengths_and_with_nothing_else(effect: Effect) -> None:
+    """Do nothing where all strengths are zero, or at the neutral value of what is a factor or a radius."""
+    if effect.relations.in_baseline(CAM) or effect.engine.settings:
+        return  # the pivot is where the rig file says; a ball slips the less the larger its friction, never not at all
+    strengths = dict.fromkeys(effect.strengths, 0.0)
+    if strengths:
+        neutral = strengths
+    else:
+        neutral = {one.name: one.neutral_on(RIG) for one in effect.parameters}
+        assert all(value != 0.0 for value in neutral.values())
+    np.testing.assert_allclose(felt(at(effect, **neutral)), felt(NOTHING), rtol=1e-12, atol=1e-15)
+    assert np.any(np.abs(felt(at(effect)) - felt(NOTHING)) > 1e-12)
+    for one in effect.parameters:
+        if not one.strength and one.low <= 0.0 and strengths:
+            assert np.any(np.abs(felt(at(effect, **{one.name: 0.0})) - felt(NOTHING)) > 1e-12)
+
+
+@pytest.mark.parametrize("name", [name for name, one in CATALOGUE.items() if one.relations.nested_in])
+def test_a_spline_term_contains_the_laws_nested_in_it(name: str) -> None:
+    """Push, or resist per normal force, alike in all states in which the spline term's regressor is the same."""
+    effect = CATALOGUE[name]
+    full, bare = (parameters_with(CAM, RIG, effects, phase=0.4) for effects in (at(effect), NOTHING))
+    full[ORIGIN] = bare[ORIGIN] = 0.2
+
+    def law(state: tuple[float, ...], friction: bool) -> float:
+        sense = 1.0 if state[1] > 0.0 else -1.0
+        limit = dry_limit(state[0], state[1], sense, *state[2:], full) + dahl_limit(*state, full)
+        if friction:
+            return limit / normal_force(*state, full)
+        return acceleration(*state, full) - acceleration(*state, bare) - sense * limit
+
+    pushed = 0.0
+    for regressor, friction in effect.relations.nested_in:
+        index = {"position": 0, "velocity": 1, "angle": 2, "roll_angle": 0}.get(regressor)
+        for fixed in (0.25, 0.31):
+            # small tilts, as the spline term has none: cos α is 1 to 1e-4; faster than a Stribeck velocity of 20 mm/s
+            states = [(0.1, 0.2, 0.01, 0.0, 0.0), (0.3, 0.12, -0.01, 0.0, 0.0), (0.45, 0.1, 0.0, 0.0, 0.0)]
+            if index is not None:
+                value = 0.01 * fixed if index == 2 else fixed
+                states = [(*state[:index], value, *state[index + 1 :]) for state in states]
+            pushes = [law(state, friction) for state in states]
+            np.testing.assert_allclose(pushes, pushes[0], rtol=3e-4, atol=1e-12)
+            pushed = max(pushed, *map(abs, pushes))
+    assert pushed > 1e-6
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
+def test_a_place_is_a_place(effect: Effect) -> None:
+    """Act alike further along if all places of the effect are moved as far; other lengths are no places."""
+    shift = 0.05
+    lengths = {one.name for one in effect.parameters if one.unit == "m" and not one.strength}
+    places = {one.name for one in effect.parameters if one.place}
+    assert places <= lengths
+    level = [(s, v, 0.0, 0.0, 0.0) for s in (0.25, 0.3, 0.36) for v in (-0.3, 0.2)]
+    further = [(state[0] + shift, *state[1:]) for state in level]
+    typical = {one.name: one.typical for one in effect.parameters}
+    if places:
+        moved = at(effect, **{one.name: one.typical + shift for one in effect.parameters if one.place})
+        np.testing.assert_allclose(felt(moved, further), felt(at(effect), level), rtol=1e-9, atol=1e-12)
+        for name in lengths - places:
+            wider = at(effect, **{name: typical[name] + shift})
+            assert np.any(np.abs(felt(wider, further) - felt(at(effect), level)) > 1e-9)
