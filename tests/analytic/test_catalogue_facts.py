@@ -101,17 +101,34 @@ def test_a_spline_term_contains_the_laws_nested_in_it(name: str) -> None:
 
 @pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
 def test_a_place_is_a_place(effect: Effect) -> None:
-    """Act alike further along if all places of the effect are moved as far; other lengths are no places."""
+    """Act alike further along if the place of the effect is moved as far; other lengths are no places."""
     shift = 0.05
-    lengths = {one.name for one in effect.parameters if one.unit == "m" and not one.strength}
-    places = {one.name for one in effect.parameters if one.place}
-    assert places <= lengths
+    typical = {one.name: one.typical for one in effect.parameters}
     level = [(s, v, 0.0, 0.0, 0.0) for s in (0.25, 0.3, 0.36) for v in (-0.3, 0.2)]
     further = [(state[0] + shift, *state[1:]) for state in level]
-    typical = {one.name: one.typical for one in effect.parameters}
-    if places:
-        moved = at(effect, **{one.name: one.typical + shift for one in effect.parameters if one.place})
-        np.testing.assert_allclose(felt(moved, further), felt(at(effect), level), rtol=1e-9, atol=1e-12)
-        for name in lengths - places:
-            wider = at(effect, **{name: typical[name] + shift})
-            assert np.any(np.abs(felt(wider, further) - felt(at(effect), level)) > 1e-9)
+    here = felt(at(effect), level)
+    somewhere = bool(np.any(np.abs(felt(at(effect), further) - here) > 1e-9))
+    for one in effect.parameters:
+        if somewhere and one.unit == "m" and not one.strength:
+            moved = felt(at(effect, **{one.name: typical[one.name] + shift}), further)
+            assert one.place is np.allclose(moved, here, rtol=1e-9, atol=1e-12)
+        else:
+            assert not one.place
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
+def test_what_holds_a_ball_at_rest_is_set_valued(effect: Effect) -> None:
+    """Be marked as dry if, and only if, the law limits a force at rest."""
+    p = parameters_with(CAM, RIG, at(effect))
+    holds = any(dry_limit(0.3, 0.0, towards, 0.0, 0.0, 0.0, p) > 0.0 for towards in (1.0, -1.0))
+    assert effect.dry is holds
+
+
+def test_one_effect_stands_for_each_unknown_quantity() -> None:
+    """Have one for K and one for α₀, which acts as the rig's level angle does."""
+    standing = [one.relations.stands_for for one in CATALOGUE.values() if one.relations.stands_for]
+    assert sorted(standing) == ["level", "ratio"]
+    (level,) = (one for one in CATALOGUE.values() if one.relations.stands_for == "level")
+    tilted = parameters_with(CAM, RIG.with_(level_angle=0.01), NOTHING)
+    p = parameters_with(CAM, RIG.with_(level_angle=0.0), [acting(level.name, {"angle": 0.01})])
+    assert [acceleration(*state, p) for state in STATES] == [acceleration(*state, tilted) for state in STATES]
