@@ -51,12 +51,9 @@ $(INSTALLED): $(LOCKED) pyproject.toml
 report: $(INSTALLED) ## run every model and engine on the bundled recording: reports/paper_protocol/report.html
 	$(BIN)/harness run $(ARGS)
 
-# Each worker begins with tests that lie together, so that what a module sets up is set up once.
-SIDE_BY_SIDE = -n $(JOBS) --dist worksteal
-
 .PHONY: test
 test: $(INSTALLED) ## the fast tests
-	$(BIN)/pytest -m "not slow" $(SIDE_BY_SIDE) $(ARGS)
+	$(BIN)/pytest -m "not slow" -n $(JOBS) $(ARGS)
 
 # What a processor without AVX or FMA does: Numba, OpenBLAS, NumPy and the C library choose other code there, and sums
 # round otherwise. Tests of whole commands, engines and files add nothing to what the others compute.
@@ -67,11 +64,11 @@ ELSEWHERE := acceptance engines mjcf recording report tolerances urdf
 
 .PHONY: test-generic
 test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a processor without vector extensions
-	$(GENERIC) $(BIN)/pytest -m "not slow" $(SIDE_BY_SIDE) $(ELSEWHERE:%=--ignore=tests/%) $(ARGS)
+	$(GENERIC) $(BIN)/pytest -m "not slow" -n $(JOBS) $(ELSEWHERE:%=--ignore=tests/%) $(ARGS)
 
 .PHONY: test-slow
 test-slow: $(INSTALLED) ## the tests that take minutes
-	$(BIN)/pytest -m slow $(SIDE_BY_SIDE) --durations=10 $(ARGS)
+	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
 
 .PHONY: mutants
 mutants: $(INSTALLED) ## change the code here and there and list what no test notices (hours; ARGS="--sample 40" takes one)

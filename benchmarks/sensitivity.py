@@ -48,8 +48,6 @@ def changed(trial: Trial) -> list[Trial]:
 
 def answer(row: Row) -> str:
     """Verdict, names and the regressor of a spline term."""
-    if row.error is not None:
-        return row.error
     return " + ".join([row.verdict, *(one.name for one in row.named), *filter(None, [row.depends_on])])
 
 
@@ -101,7 +99,15 @@ def main(jobs: int, rows: Path, out: Path) -> None:
     """
     trials, store = chosen(), Store(rows, sources_digest())
     run_with_bar([*trials, *(each for one in trials for each in changed(one))], store, jobs=jobs)
-    out.write_text(page(trials, store.rows()), encoding="utf-8")
+    made = store.rows()
+    failed = [row for row in made.values() if row.error is not None]
+    if failed:  # counted as another result, a failure would pass for sensitivity
+        first = failed[0]
+        raise click.ClickException(
+            f"{len(failed)} of {len(made)} trials failed, first {first.trial.name} with {first.trial.setting or 'no'} "
+            f"setting changed: {first.error}; run it again when that is mended"
+        )
+    out.write_text(page(trials, made), encoding="utf-8")
     click.echo(out)
 
 

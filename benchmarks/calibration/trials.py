@@ -50,7 +50,7 @@ class Trial:
         hidden, unlisted, declared: what acts (SI).
         seed: of moves and noise.
         recordings: how many there are.
-        setting, scale: a setting of the search, and the factor by which it is changed; empty and 1 where none is.
+        setting, scale: a setting of the search, and the factor by which it is changed [1]; empty and 1 where none is.
     """
 
     study: str

@@ -214,7 +214,7 @@ class FittedEffect(Part):
 class FitRecord(Part):
     """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion.
 
-    `abandoned` if it was not continued to convergence, because other candidates were far better.
+    `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
     """
 
     effects: tuple[FittedEffect, ...]

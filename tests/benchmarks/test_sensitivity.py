@@ -76,6 +76,20 @@ def test_the_command_computes_nothing_twice(tmp_path: Path, monkeypatch: pytest.
     assert "| 1 of 1 | 0 of 1 |" in out.read_text(encoding="utf-8")
 
 
+def test_a_failure_is_no_sensitivity(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write no page where a trial failed, and say which and why."""
+    trials = [trial("null", "none", 0)]
+    monkeypatch.setattr("benchmarks.sensitivity.chosen", lambda: trials)
+    monkeypatch.setattr("benchmarks.sensitivity.run_with_bar", lambda *_, **__: None)
+    store = Store(tmp_path / "rows.jsonl", sources_digest())
+    store.append(Row(trial=of("keep", 2.0), source=store.source, verdict="", error="ValueError: no"))
+    out = tmp_path / "settings.md"
+    done = CliRunner().invoke(main, ["--rows", str(store.path), "--out", str(out)])
+    assert done.exit_code == 1
+    assert "none with keep setting changed: ValueError: no" in done.output
+    assert not out.exists()
+
+
 def test_the_published_table_has_every_setting_as_it_is() -> None:
     """List name and default of every field, in order; `make sensitivity` writes the page anew."""
     lines = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8").splitlines()

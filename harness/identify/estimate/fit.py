@@ -41,8 +41,8 @@ class Fit:
         deviance: −2 log likelihood up to a constant.
         covariance: of the parameters in their units, without overdispersion, shape (k, k).
         readings: number n of readings.
-        abandoned: whether it is a screening fit, or one of a single round, that was not continued because other
-            candidates were far better.
+        abandoned: whether it is a screening fit, or one of a single round, that was not continued because its criterion
+            was behind that of the best candidate, or no candidate promised anything.
     """
 
     hypothesis: Hypothesis

@@ -73,8 +73,8 @@ def _with_finer_spline(problem: Problem, best: Fit, ledger: Ledger, progress: Pr
 def _with_effect_absorbed(problem: Problem, best: Fit, name: str) -> SplineTerm:
     """The spline term, with the refined number of nodes, plus the law of an effect that is nested in it."""
     spline = _spline(best)
-    refined = len(spline.nodes) > problem.settings.spline_nodes or not spline.refinable
-    spline = spline if refined else spline.finer()
+    if spline.refinable and len(spline.nodes) <= problem.settings.spline_nodes:
+        spline = spline.finer()
     (effect,) = (term for term in best.terms.effects if term.effect.name == name)
     return replace(spline, nodes=spline.nodes + _law_at_nodes(problem, effect, spline))
 

@@ -251,11 +251,11 @@ def test_a_candidate_that_is_not_best_is_told_which_was() -> None:
 def test_a_candidate_whose_fit_was_not_continued_says_so(score: float, said: str) -> None:
     """Tell a candidate that a screening fit ruled out from one that was fitted to the end."""
     without, best = made(100.0), made(40.0, "level_error")
-    ended = made(score, "track_curvature")
-    for fit, ending in ((ended, ""), (replace(ended, abandoned=True), " (fit not continued)")):
-        because = C.decide(Rule.ADD, fit, without, Evidence(winner=best)).because
+    for abandoned in (False, True):
+        tried = replace(made(score, "track_curvature"), abandoned=abandoned)
+        because = C.decide(Rule.ADD, tried, without, Evidence(winner=best)).because
         assert because.startswith(said)
-        assert because.endswith(" (fit not continued)") is bool(ending)
+        assert because.endswith(" (fit not continued)") is abandoned
 
 
 @pytest.mark.parametrize(

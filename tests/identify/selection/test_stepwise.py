@@ -39,6 +39,13 @@ def test_every_candidate_is_tried_best_first(damped: tuple[Problem, Fit, list[Fi
     assert tried[0].hypothesis.names == ("viscous_damping",)
 
 
+def test_only_what_is_behind_is_not_fitted_to_the_end(damped: tuple[Problem, Fit, list[Fit]]) -> None:
+    """Mark the candidates whose fit was not continued: most of them here, never the best."""
+    _, _, tried = damped
+    assert not tried[0].abandoned
+    assert sum(one.abandoned for one in tried) > len(tried) / 2
+
+
 def test_a_screening_fit_promises_nearly_what_a_fit_brings(damped: tuple[Problem, Fit, list[Fit]]) -> None:
     """Come by one step nearer to the best fit than to where the search began."""
     problem, base, tried = damped
