@@ -1,7 +1,8 @@
 """Generates the MJCF scene of any rig; all lengths come from `analytic.geometry`.
 
-The ball touches the inner top edges of two boxes, the walls of the channel. MuJoCo computes sphere–box contacts in
-closed form; a U-shaped mesh would be replaced by its convex hull with a single contact.
+The ball touches the inner top edges of two boxes, the walls of the channel, or the top of one box where the rail is
+flat. MuJoCo computes sphere–box contacts in closed form; a U-shaped mesh would be replaced by its convex hull with a
+single contact.
 
 `python -m mjcf.scene` writes `ball_beam.xml` for the paper's rig.
 """
@@ -73,10 +74,11 @@ def default_option(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribut
 
 def default_pair(rig: Rig, time_step: float = TIME_STEP) -> dict[str, Attribute]:
     """Attributes of the ball's `<pair>` with each rail; friction is across, along, torsional, rolling, rolling."""
-    across = FRICTION * ACROSS if aligned(rig) else FRICTION
+    along = channel_of(rig).grip * FRICTION
+    across = along * ACROSS if aligned(rig) else along
     return {
         "condim": 3,
-        "friction": (across, FRICTION, 0.0, 0.0, 0.0),
+        "friction": (across, along, 0.0, 0.0, 0.0),
         "solref": (2 * time_step, DAMPING_RATIO),
         "solreffriction": friction_reference(RELAXATION, IMPEDANCE, time_step),
         "solimp": (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0),
@@ -118,15 +120,18 @@ def make_scene(
         option: attributes of `<option>`, `None` for `default_option`.
         pair: attributes of the contacts, `None` for `default_pair`.
         driven: the scene used by `harness.engines.mujoco`: no visuals, an actuator for the beam's angular acceleration
-            [rad/s²], and sensors of both contacts. Otherwise a scene for the viewer, with a servo for the beam angle
+            [rad/s²], and a sensor of each contact. Otherwise a scene for the viewer, with a servo for the beam angle
             [rad], a stand, and end stops.
     """
     channel = channel or channel_of(rig)
     # g sin(α + α₀) along e_s and −g cos(α + α₀) along e_n
     gravity = (rig.gravity * math.sin(rig.level_angle), 0.0, -rig.gravity * math.cos(rig.level_angle))
     settings = {"gravity": gravity, **(option or default_option(rig))}
-    touched = ["rail_left", "rail_right", *([] if driven else ["stop_near", "stop_far"])]
+    carrying = ["floor"] if channel.flat else ["rail_left", "rail_right"]
+    touched = [*carrying, *([] if driven else ["stop_near", "stop_far"])]
     pairs = [_tag("pair", {"geom1": "ball", "geom2": name}) for name in touched]
+    if channel.flat and not driven:
+        pairs += [_tag("pair", {"geom1": "ball", "geom2": name, "condim": 1}) for name in ("rail_left", "rail_right")]
     sections = [
         _tag("compiler", {"angle": "radian"}),
         _tag("option", settings),
@@ -141,7 +146,7 @@ def make_scene(
         _block("worldbody", "" if driven else _stand(channel), _beam(channel, driven), _ball(rig, channel, driven)),
         _block("contact", *pairs),
         _block("actuator", _tag("motor", {"name": "turn", "joint": "pivot", "gear": ARMATURE}) if driven else _servo()),
-        _block("sensor", *map(_contact_sensor, ("rail_left", "rail_right"))) if driven else "",
+        _block("sensor", *map(_contact_sensor, carrying)) if driven else "",
     ]
     body = "\n\n".join(section for section in sections if section)
     return f'<mujoco model="ball_beam">\n{indent(body, "  ", lambda line: line.strip() != "")}\n</mujoco>\n'
@@ -179,7 +184,7 @@ _LOOKS = """\
 
 def _stand(channel: Channel) -> str:
     """Table, base plate, the two cheeks carrying the axle, lights and cameras."""
-    cheek = channel.half_gap + channel.wall_thickness + 1.5 * PLATE + 0.001
+    cheek = channel.half_width + channel.wall_thickness + 1.5 * PLATE + 0.001
     top = 3 * AXLE_RADIUS
     cheeks = [
         _box(f"cheek_{side}", (2 * BRACKET, PLATE / 2, (BASE_DROP + top) / 2), (0.0, y, (top - BASE_DROP) / 2), "stand")
@@ -204,25 +209,31 @@ def _stand(channel: Channel) -> str:
 
 def _beam(channel: Channel, driven: bool) -> str:
     """The channel on its pivot."""
-    wall, tall = channel.wall_thickness / 2, channel.wall_height / 2
+    wall, tall = channel.wall_thickness / 2, (channel.wall_top - channel.floor_top) / 2
     rails = [
-        _box(name, (channel.length / 2, wall, tall), (channel.centre, y, channel.edge_height - tall))
-        for name, y in (("rail_left", channel.half_gap + wall), ("rail_right", -channel.half_gap - wall))
+        _box(name, (channel.length / 2, wall, tall), (channel.centre, y, channel.wall_top - tall))
+        for name, y in (("rail_left", channel.half_width + wall), ("rail_right", -channel.half_width - wall))
     ]
+    touched = [_floor(channel)] if channel.flat else rails
     return _block(
         'body name="beam"',
         # The large armature makes the beam follow its drive under any load.
         _tag("inertial", {"pos": (0, 0, 0), "mass": 1, "diaginertia": (1, 1, 1)}),
         _tag("joint", {"name": "pivot", "type": "hinge", "axis": (0, 1, 0), "armature": ARMATURE}),
-        *rails,
-        *([] if driven else _fittings(channel)),
+        *(touched if driven else [*rails, _floor(channel), *_fittings(channel)]),
     )
 
 
+def _floor(channel: Channel) -> str:
+    """The plate below the ball, which carries it on a flat rail."""
+    half = (channel.length / 2, channel.half_width + channel.wall_thickness, channel.floor_thickness / 2)
+    return _box("floor", half, (channel.centre, 0.0, channel.floor_top - channel.floor_thickness / 2))
+
+
 def _fittings(channel: Channel) -> list[str]:
-    """Floor, end stops, brackets and axle."""
-    outer = channel.half_gap + channel.wall_thickness
-    floor = channel.edge_height - channel.wall_height
+    """End stops, brackets and axle."""
+    outer = channel.half_width + channel.wall_thickness
+    floor = channel.floor_top
     bottom = floor - channel.floor_thickness
     end = channel.wall_thickness / 2
     high = channel.ball_height
@@ -238,8 +249,7 @@ def _fittings(channel: Channel) -> list[str]:
     length = outer + 3 * PLATE
     ends = (0, -length, 0, 0, length, 0)
     axle = _tag("geom", {"name": "axle", "type": "cylinder", "size": AXLE_RADIUS, "fromto": ends, "material": "axle"})
-    middle = (channel.centre, 0.0, floor - channel.floor_thickness / 2)
-    return [_box("floor", (channel.length / 2, outer, channel.floor_thickness / 2), middle), *stops, *brackets, axle]
+    return [*stops, *brackets, axle]
 
 
 def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
@@ -249,7 +259,7 @@ def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
         f'body name="ball" pos="{_text((BALL_START, 0.0, channel.ball_height))}"',
         _tag("freejoint", {"name": "ball"}),
         _tag("inertial", {"pos": (0, 0, 0), "mass": rig.mass, "diaginertia": (rig.inertia,) * 3}),
-        _tag("geom", {"name": "ball", "type": "sphere", "size": rig.radius, **looks}),
+        _tag("geom", {"name": "ball", "type": "sphere", "size": channel.ball_radius, **looks}),
     )
 
 

@@ -3,7 +3,8 @@
 The ball touches two square bars ("rails") that stand for the channel's inner top edges. Each bar turns a face to the
 ball, so that the face is tangent to the ball on the edge: same contact point, same normal. URDF 1.0 has no capsule,
 PyBullet makes a cylinder a 32-sided hull and adds 1 mm, and it rounds the edges of a box by a margin; the middle of a
-face stays where it is. The channel itself, the bearing and the base plate are drawn only.
+face stays where it is. On a flat rail one plate carries the ball, between two guards. The channel itself, the bearing
+and the base plate are drawn only.
 
 `python -m urdf.scene` writes `ball_beam.urdf` and `ball.urdf` for the paper's rig.
 """
@@ -55,7 +56,9 @@ def beam_urdf(rig: Rig, channel: Channel | None = None, *, driven: bool = False)
         rig: the rig.
         channel: its channel; `None` draws the paper's.
         driven: what `harness.engines.pybullet` steps: nothing drawn, and between base and pivot two sliding
-            joints, `chord_x` and `chord_z`, which stay at zero and only lend the beam a surface velocity.
+            joints, `chord_x` and `chord_z`, which stay at zero and only lend the beam a surface velocity. A flat rail
+            is then a plane, which PyBullet has and URDF has not: Bullet's search for the point where a ball touches a
+            large box fails now and then, and the ball falls by g dt² in such a step.
     """
     channel = channel or channel_of(rig)
     robot = ElementTree.Element("robot", name="ball_beam")
@@ -68,11 +71,20 @@ def beam_urdf(rig: Rig, channel: Channel | None = None, *, driven: bool = False)
         parent = f"carriage_{name}"
     beam = _link(robot, "beam", mass=BEAM_INERTIA, inertia=BEAM_INERTIA)
     _joint(robot, PIVOT, "continuous", parent, "beam", axis="0 1 0")
-    across, height = rail_axis(rig)
-    for side in (1.0, -1.0):
-        rail = ElementTree.SubElement(beam, "collision")
-        _origin(rail, (channel.centre, side * across, height), turn=(side * rig.contact_angle, 0.0, 0.0))
-        _box(rail, (channel.length, RAIL_WIDTH, RAIL_WIDTH))
+    if channel.flat and driven:
+        plane = ElementTree.SubElement(beam, "collision")
+        _origin(plane, (0.0, 0.0, channel.floor_top))
+        ElementTree.SubElement(ElementTree.SubElement(plane, "geometry"), "plane", normal="0 0 1")
+    elif channel.flat:
+        plate = ElementTree.SubElement(beam, "collision")
+        _origin(plate, (channel.centre, 0.0, channel.floor_top - 0.5 * channel.floor_thickness))
+        _box(plate, (channel.length, 2 * channel.half_width, channel.floor_thickness))
+    else:
+        across, height = rail_axis(rig)
+        for side in (1.0, -1.0):
+            rail = ElementTree.SubElement(beam, "collision")
+            _origin(rail, (channel.centre, side * across, height), turn=(side * rig.contact_angle, 0.0, 0.0))
+            _box(rail, (channel.length, RAIL_WIDTH, RAIL_WIDTH))
     if not driven:
         _draw_channel(beam, channel)
         _draw_stand(base, channel)
@@ -83,7 +95,7 @@ def ball_urdf(rig: Rig) -> str:
     """URDF of the ball: its declared mass and inertia, which need not be those of a homogeneous sphere."""
     robot = ElementTree.Element("robot", name="ball")
     ball = _link(robot, "ball", mass=rig.mass, inertia=rig.inertia)
-    _shape(ElementTree.SubElement(ball, "collision"), "sphere", radius=rig.radius)
+    _shape(ElementTree.SubElement(ball, "collision"), "sphere", radius=channel_of(rig).ball_radius)
     visual = ElementTree.SubElement(ball, "visual")
     _shape(visual, "sphere", radius=rig.radius)
     _paint(visual, "steel", STEEL)
@@ -101,12 +113,16 @@ def write(folder: Path, rig: Rig | None = None) -> tuple[Path, Path]:
 
 def _draw_channel(beam: ElementTree.Element, channel: Channel) -> None:
     """Walls, floor, brackets down to the axle, and the axle."""
-    outer = channel.half_gap + channel.wall_thickness
-    floor = channel.edge_height - channel.wall_height
-    middle = channel.edge_height - 0.5 * channel.wall_height
+    outer = channel.half_width + channel.wall_thickness
+    floor, tall = channel.floor_top, channel.wall_top - channel.floor_top
     for side in (1.0, -1.0):
-        wall = (channel.centre, side * (channel.half_gap + 0.5 * channel.wall_thickness), middle)
-        _draw_box(beam, (channel.length, channel.wall_thickness, channel.wall_height), wall, "aluminium", ALUMINIUM)
+        wall = (channel.centre, side * (channel.half_width + 0.5 * channel.wall_thickness), floor + 0.5 * tall)
+        size = (channel.length, channel.wall_thickness, tall)
+        _draw_box(beam, size, wall, "aluminium", ALUMINIUM)
+        if channel.flat:  # a guard
+            guard = ElementTree.SubElement(beam, "collision")
+            _origin(guard, wall)
+            _box(guard, size)
         low, high = min(floor, -2 * AXLE_RADIUS), max(channel.edge_height - channel.wall_thickness, 2 * AXLE_RADIUS)
         bracket = (0.0, side * (outer + 0.5 * PLATE_THICKNESS), 0.5 * (low + high))
         _draw_box(beam, (BRACKET_WIDTH, PLATE_THICKNESS, high - low), bracket, "steel", STEEL)
@@ -120,7 +136,7 @@ def _draw_channel(beam: ElementTree.Element, channel: Channel) -> None:
 
 def _draw_stand(base: ElementTree.Element, channel: Channel) -> None:
     """The two cheeks that carry the axle, and the base plate."""
-    cheek = channel.half_gap + channel.wall_thickness + 1.5 * PLATE_THICKNESS + PLATE_GAP
+    cheek = channel.half_width + channel.wall_thickness + 1.5 * PLATE_THICKNESS + PLATE_GAP
     top = 3 * AXLE_RADIUS
     for side in (1.0, -1.0):
         size = (2 * BRACKET_WIDTH, PLATE_THICKNESS, BASE_DROP + top)

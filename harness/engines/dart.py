@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from analytic.geometry import RAIL_REACH, to_world
+from analytic.geometry import RAIL_REACH, rails_of, to_world
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.engines.chord import Pose, follow
@@ -101,8 +101,14 @@ class _Scene:
         pivot.setAxis([0.0, 1.0, 0.0])
         for joint in (chord, pivot):
             joint.setActuatorType(dart.dynamics.ActuatorType.VELOCITY)
+        channel = rails_of(rig)
+        if channel.flat:
+            plate = np.eye(4)
+            plate[2, 3] = channel.floor_top - 0.5 * channel.floor_thickness
+            size = [channel.length, 2 * channel.half_width, channel.floor_thickness]
+            _solid(body, dart.dynamics.BoxShape(size), settings, channel.grip).setRelativeTransform(plate)
         across, height = rail_axis(rig, settings.tube_radius)
-        for y in (across, -across):
+        for y in () if channel.flat else (across, -across):
             rail = dart.dynamics.CapsuleShape(settings.tube_radius, 2 * RAIL_REACH)
             along_x = np.array(
                 [[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, y], [-1.0, 0.0, 0.0, height], [0.0, 0.0, 0.0, 1.0]]
@@ -116,8 +122,8 @@ class _Scene:
         inertia.setMass(rig.mass)
         inertia.setMoment(rig.inertia * np.eye(3))
         ball.setInertia(inertia)
-        overlap = _sink(rig, settings.time_step) * rig.rolling_radius / rig.radius  # along the contact normal
-        _solid(ball, dart.dynamics.SphereShape(rig.radius + overlap), settings)
+        overlap = _sink(rig, settings.time_step) * rig.rolling_radius / channel.ball_radius  # along the contact normal
+        _solid(ball, dart.dynamics.SphereShape(channel.ball_radius + overlap), settings, channel.grip)
         world.addSkeleton(skeleton)
         return cls(world, chord, pivot, ball, free)
 
@@ -167,11 +173,11 @@ def _sink(rig: Rig, time_step: float) -> float:
     return SINK * rig.gravity * time_step**2
 
 
-def _solid(body: Any, shape: Any, settings: DartParameters) -> Any:
+def _solid(body: Any, shape: Any, settings: DartParameters, grip: float = 1.0) -> Any:
     """Attaches a collision shape to `body`."""
     node = body.createShapeNode(shape)
     node.createCollisionAspect()
     surface = node.createDynamicsAspect()
-    surface.setFrictionCoeff(settings.friction)
+    surface.setFrictionCoeff(settings.friction * grip)
     surface.setRestitutionCoeff(settings.restitution)
     return node

@@ -9,9 +9,9 @@ from enum import StrEnum
 class Failure(StrEnum):
     """Why an engine run is invalid; the value describes cause and remedy."""
 
-    LEFT_GROOVE = "the ball left the groove; check the start position, a jump in the angle, or lower the time step"
-    LOST_CONTACT = "the ball does not touch both edges; lower the time step or make the contact stiffer"
-    EXTRA_CONTACT = "more than two points hold the ball; lower the time step or raise the contact breaking threshold"
+    LEFT_GROOVE = "the ball left the rails; check the start position, a jump in the angle, or lower the time step"
+    LOST_CONTACT = "the ball does not touch the rails as it should; lower the time step or make the contact stiffer"
+    EXTRA_CONTACT = "more points hold the ball than should; lower the time step or raise the contact breaking threshold"
     SLIPPED = "the ball slid instead of rolling; raise the friction coefficient"
     NOT_FINITE = "a state is not a finite number; lower the time step or make the contact softer"
     RESET = "the engine reset its state (bad acceleration); lower the time step or make the contact softer"

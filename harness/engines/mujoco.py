@@ -1,4 +1,4 @@
-"""MuJoCo: the ball on the edges of two boxes on a hinge driven by its angular acceleration.
+"""MuJoCo: the ball on the edges of two boxes, or on one, on a hinge driven by its angular acceleration.
 
 Semi-implicit Euler has its velocities at t − dt/2. A hinge of inertia 1e11 kg m² with the initial rate at −dt/2, driven
 with the second difference of the recorded angle, follows the recorded angle to 3e-10 rad under any load.
@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 from scipy.optimize import brentq
 
-from analytic.geometry import RAIL_REACH, channel_of, to_beam
+from analytic.geometry import channel_of, rails_of, to_beam
 from analytic.motion import BallForce, FloatArray
 from analytic.rig import Rig
 from harness.engines.health import Failure
@@ -67,7 +67,7 @@ class _Log:
 
     Attributes:
         pose: α [rad], centre [m] and quaternion, shape (k + 1, 8).
-        force: of the contacts at both rails, normal first, shape (k, 6) [N].
+        force: of each contact, normal first, shape (k, 6) [N]; (k, 3) on a flat rail.
         stopped: failure reported by the engine itself, if any.
     """
 
@@ -88,7 +88,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
-    channel = channel_of(rig, x_from=-RAIL_REACH, x_to=RAIL_REACH)
+    channel = rails_of(rig)
     scene = make_scene(rig, channel=channel, option=settings.option(rig), pair=settings.pair(rig), driven=True)
     model = mujoco.MjModel.from_xml_string(scene)
     if not settings.refsafe:
@@ -121,7 +121,7 @@ def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | No
     unbalanced(brentq(unbalanced, 0.0, depth, xtol=1e-15))
     sunk = -float(data.contact.dist.min())
     model.pair_margin[:] = sunk if margin is None else margin
-    return 0.0 if margin is None else (margin - sunk) * rig.radius / rig.rolling_radius
+    return 0.0 if margin is None else (margin - sunk) * channel_of(rig).ball_radius / rig.rolling_radius
 
 
 def _place(model: mujoco.MjModel, first: Start, angle: float, lift: float) -> mujoco.MjData:
@@ -190,9 +190,9 @@ class _Push:
 
 def _samples(rig: Rig, grid: Grid, log: _Log) -> Samples:
     """Samples with the maxima of every interval `FLIGHT`, and fewest contacts and smallest load of all steps."""
-    normal = log.force[:, [0, 3]]
+    normal = log.force[:, ::3]
     touching = (normal > 0.0).sum(axis=1)
-    load = normal.sum(axis=1) * rig.rolling_radius / rig.radius
+    load = normal.sum(axis=1) * rig.rolling_radius / channel_of(rig).ball_radius
     error = np.abs(log.pose[:, 0] - grid.angle[: len(log.pose)])
     every = max(1, round(FLIGHT / grid.time_step))
     samples = Samples(extremes={"contacts_min": int(touching.min()), "normal_force_min": float(load.min())})

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from analytic.geometry import channel_of
 from analytic.rig import Rig
 from harness.engines.parameters import EngineParameters
 from mjcf.scene import (
@@ -128,10 +129,10 @@ class MuJoCoParameters(EngineParameters):
 
     def pair(self, rig: Rig) -> dict[str, Attribute]:
         """Attributes of MJCF's `<pair>`."""
-        roll = self.rolling_friction
+        roll, grip = self.rolling_friction, channel_of(rig).grip
         pair: dict[str, Attribute] = {
             "condim": self.condim,
-            "friction": (self._across(rig), self.friction, self.torsional_friction, roll, roll),
+            "friction": (grip * self._across(rig), grip * self.friction, self.torsional_friction, roll, roll),
             "solref": (self.solref_timeconst or 2 * self.time_step, self.solref_dampratio),
         }
         if self.friction_relaxation is not None and self.cone == "elliptic":

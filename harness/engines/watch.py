@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.geometry import channel_of
 from analytic.motion import BallForce
 from analytic.rig import Rig
 from harness.engines.health import Failure, Health
 from harness.engines.leapfrog import Grid, Track
-from harness.errors import EngineFailure, InputError
+from harness.errors import EngineFailure
 
-MIN_GROOVE = 0.01  # half gap w/2 over R; at a seventh of it the ball rolls out sideways in Bullet
 STANDSTILL = 1e-9  # [rad] per step, [m/s]: smaller motions may be lost in rounding
 
 
@@ -43,19 +43,11 @@ class Limits:
 
 
 def limits_of(rig: Rig, *, reach: float, slip: float) -> Limits:
-    """Limits for `rig` on rails from −reach to +reach [m].
-
-    Raises:
-        InputError: the groove is too shallow to hold the ball in an engine.
-    """
-    if rig.half_gap < MIN_GROOVE * rig.radius:
-        raise InputError(
-            f"rolling_radius {rig.rolling_radius:g} m leaves no groove for a ball of radius {rig.radius:g} m; the "
-            f"engines need at most {rig.radius * (1 - 0.5 * MIN_GROOVE**2):.9g} m"
-        )
+    """Limits for `rig` on rails from −reach to +reach [m]."""
     return Limits(
         # The top of the edge is at |y| = w/2. In a valid run |y| stays below 0.1 µm; at half of w/2 the ball leaves.
-        across=0.5 * rig.half_gap,
+        # Nothing guides it on a flat rail, where it may not meet a guard.
+        across=channel_of(rig).lateral_limit,
         # A valid run keeps 0.2 µm at dt = 1 ms. A tenth of r means a rolling radius, hence a slope of s over φ, 10 %
         # off; a falling ball reaches it after √(0.2 r/g) = 15 ms.
         height=0.1 * rig.rolling_radius,
@@ -111,13 +103,13 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
     bad = _first(np.any(~finite, axis=0, keepdims=False))
     if bad is not None:
         raise fail(Failure.NOT_FINITE, bad, "a state is NaN or infinite")
-    height_error = track.height - rig.rolling_radius
+    needed, height_error = channel_of(rig).contacts, track.height - rig.rolling_radius
     slip = (np.diff(track.along) - rig.rolling_radius * np.diff(track.rolled)) / grid.time_step
     left = _first((np.abs(track.across) > limits.across) | (np.abs(height_error) > limits.height))
     off = _first(np.abs(track.along) > limits.along)
     slid = _first(np.abs(slip) > limits.slip)
     loose = [n for n, count, force in zip(samples.step, samples.contacts, samples.normal_force, strict=True)
-             if count < 2 or force <= 0.0]  # fmt: skip
+             if count < needed or force <= 0.0]  # fmt: skip
     lost = loose[0] if loose else None
     # A ball without contact always slips: slip counts only up to the last sample with contact.
     held = [n for n in samples.step if (left is None or n < left) and (lost is None or n < lost)]
@@ -128,7 +120,7 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
         raise fail(Failure.RAN_OFF, off, f"s = {track.along[off]:.2f} m is past the end of the rails")
     if slid is not None and ((left is None and lost is None) or (held and slid <= held[-1])):
         raise fail(Failure.SLIPPED, slid, f"the contact slips at {abs(slip[slid]) * 1e3:.1f} mm/s")
-    extra = next((n for n, count in zip(samples.step, samples.contacts, strict=True) if count > 2), None)
+    extra = next((n for n, count in zip(samples.step, samples.contacts, strict=True) if count > needed), None)
     if extra is not None and (lost is None or extra < lost):
         count = samples.contacts[samples.step.index(extra)]
         raise fail(Failure.EXTRA_CONTACT, extra, f"{count} contacts at s = {track.along[extra]:.3f} m")

@@ -19,7 +19,7 @@ from harness.preparation.recordings import MIN_POSITIONS, observe
 from harness.recording import Case, KnownRig, Recording
 
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
-_RADIUS_RATIO_RANGE = (0.3, 0.995)  # of r/R: below, the ball sinks into the groove; above, it is not held
+_RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
 _LABELS = {"mass": ("mass m", "kg"), "radius": ("ball radius R", "m"), "gravity": ("gravity g", "m/s²")}
 
 
@@ -116,7 +116,7 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     rig = rough.with_(level_angle=fitted.level)
     if ratio:
         estimates.append(Estimate("rolling ratio K", fitted.ratio, fitted.std[0], "1", how))
-        rig, chosen = rig_of_ratio(known, rig, fitted.ratio)
+        rig, chosen = rig_of_ratio(known, rig, fitted.ratio, fitted.std[0])
         estimates.append(chosen)
     if fitted.std[2]:
         eccentricity = fitted.lever - rig.rolling_radius - rig.inertia / (rig.mass * rig.rolling_radius)
@@ -129,12 +129,13 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     return CompletedRig(rig, fitted, (*estimates, *assumed))
 
 
-def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float) -> tuple[Rig, Estimate]:
+def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, Estimate]:
     """A rig with rolling ratio K = `ratio` and its known quantities unchanged; and the quantity adapted for this.
 
     K determines only J/(m r²) = 1/K − 1. For a ball of known or solid inertia, r is adapted; if r is known or would be
-    outside `_RADIUS_RATIO_RANGE`, J or else m. K ≥ 1 is impossible for a rolling body; then g is scaled, which is
-    equivalent to a gain of the angle.
+    outside `_RADIUS_RATIO_RANGE`, J or else m. A K that exceeds that of this ball on a flat rail, r = R, by at most two
+    standard errors `std` is taken for that of the flat rail. K ≥ 1 is impossible for a rolling body; then g is scaled,
+    which is equivalent to a gain of the angle.
     """
     if ratio >= 1.0:
         gravity = rig.gravity * ratio / rig.rolling_ratio
@@ -145,6 +146,10 @@ def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float) -> tuple[Rig, Estimate
     r = math.sqrt(rig.inertia / (rig.mass * share))
     if known.rolling_radius is None and low <= r <= high:
         return rig.with_(rolling_radius=r), _assumed("rolling radius r", r, "m", "from K, for this ball's inertia")
+    flat = rig.with_(rolling_radius=rig.radius)
+    if known.rolling_radius is None and 0.0 <= ratio - flat.rolling_ratio <= 2.0 * std:
+        why = f"a flat rail, whose K = {flat.rolling_ratio:.4f} is within two standard errors of the estimate"
+        return flat, _assumed("rolling radius r", rig.radius, "m", why)
     if known.inertia is not None and known.mass is None:
         mass = rig.inertia / (rig.rolling_radius**2 * share)
         return rig.with_(mass=mass), _assumed("mass m", mass, "kg", "from K")

@@ -125,13 +125,13 @@ def test_a_falling_ball(harness: Harness, case: Path) -> None:
     assert done.code == 3
     assert len(done.errors) == 1, done.err
     assert done.errors[0].startswith("error: pybullet failed at t = ")
-    assert "left the groove" in done.errors[0]
+    assert "left the rails" in done.errors[0]
     assert "4 of its 4 runs failed" in done.errors[0]
     answer = json.loads(done.out)
     assert len(answer["failures"]) == 4
     folder = done.folder / "reports" / "case"
     assert {file.name for file in folder.iterdir()} == FILES
-    assert "the ball left the groove" in (folder / "report.html").read_text("utf-8")
+    assert "the ball left the rails" in (folder / "report.html").read_text("utf-8")
     rows = table(folder / "trajectories.csv")
     assert {row["pybullet_m"] for row in rows} == {""}
     assert all(row["mujoco_m"] and row["cam_m"] for row in rows)

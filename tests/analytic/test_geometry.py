@@ -9,7 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analytic.geometry import BEAM_FROM, BEAM_TO, RAIL_REACH, channel_of, to_beam, to_world
+from analytic.geometry import (
+    BEAM_FROM,
+    BEAM_TO,
+    FLAT_BELOW,
+    GUARD_CLEARANCE,
+    RAIL_REACH,
+    channel_of,
+    to_beam,
+    to_world,
+)
 from analytic.rig import Rig
 
 RIG = Rig()
@@ -38,6 +47,29 @@ def test_each_contact_carries_its_share() -> None:
     normals = np.array([[side * RIG.half_gap, RIG.rolling_radius] for side in (-1.0, 1.0)]) / RIG.radius
     carried = np.linalg.solve(normals.T, [0.0, 1.0])
     np.testing.assert_allclose(carried, RIG.radius / (2.0 * RIG.rolling_radius), rtol=1e-15)
+
+
+@given(gap=st.floats(0.0, 0.3))
+def test_a_shallow_groove_becomes_a_plane_that_carries_the_ball_alike(gap: float) -> None:
+    """Keep the height, the lever and the grip of the ball whether edges or a plane carry it."""
+    rig = RIG.with_(rolling_radius=RIG.radius * math.sqrt(1.0 - gap**2))
+    channel = channel_of(rig)
+    assert channel.contacts == (1 if channel.flat else 2)
+    # √(1 − gap²) and back loses up to 1e-16/gap of a gap at the limit
+    assert channel.flat == (gap < FLAT_BELOW) or gap == pytest.approx(FLAT_BELOW, abs=1e-14)
+    reach = math.sqrt(channel.ball_radius**2 - (0.0 if channel.flat else channel.half_gap) ** 2)
+    assert channel.ball_height == pytest.approx(channel.edge_height + reach, rel=1e-14)
+    # Coulomb's limit over the weight: μ of each of the contacts, which carry N R/(2 r) each, or N
+    carried = channel.grip * (1.0 if channel.flat else channel.ball_radius / reach)
+    assert carried == pytest.approx(rig.radius / rig.rolling_radius, rel=1e-14)
+
+
+def test_guards_stand_beside_the_ball_on_a_flat_rail() -> None:
+    """Leave a millimetre on either side, and let the floor carry the ball."""
+    channel = channel_of(RIG.with_(rolling_radius=RIG.radius))
+    assert channel.floor_top == channel.edge_height == pytest.approx(channel.ball_height - RIG.radius)
+    assert channel.half_width - RIG.radius == pytest.approx(GUARD_CLEARANCE)
+    assert channel.wall_top > channel.floor_top
 
 
 def test_channel_is_as_long_as_asked() -> None:

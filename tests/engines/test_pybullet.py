@@ -317,12 +317,6 @@ def test_slow_drive_leaves_the_ball_on_eq_14() -> None:
     assert np.abs(result.trajectory.position - exact.position).max() < 0.8e-6
 
 
-def test_flat_groove_is_refused() -> None:
-    """Refuse a rolling radius that leaves no groove, before Bullet lets the ball roll out sideways."""
-    with pytest.raises(InputError, match="no groove"):
-        run(PAPER.with_(rolling_radius=PAPER.radius))
-
-
 def test_bad_input_is_refused() -> None:
     """Refuse stamps that do not increase, a motion that is not finite, and half a soft contact."""
     with pytest.raises(InputError, match="strictly increasing"):

@@ -42,6 +42,29 @@ def test_completed_rig_accelerates_with_the_estimated_ratio(known: KnownRig, rat
             assert getattr(rig, name) == value
 
 
+@pytest.mark.parametrize("share", [0.999, 0.99999, 1.0])
+def test_a_ratio_close_to_that_of_a_plane_keeps_the_ball_solid(share: float) -> None:
+    """Adapt the rolling radius, not the inertia, up to the flat rail of a solid ball, K = 5/7."""
+    known = KnownRig(gravity=9.81, radius=0.0132, mass=0.071)
+    rough = rough_rig(known)
+    ratio = rough.with_(rolling_radius=share * 0.0132).rolling_ratio
+    rig, note = rig_of_ratio(known, rough, ratio)
+    assert note.name == "rolling radius r"
+    assert rig.rolling_radius == pytest.approx(share * 0.0132, rel=1e-12)
+    assert rig.inertia == pytest.approx(0.4 * 0.071 * 0.0132**2)
+
+
+def test_an_estimate_just_above_that_of_a_plane_is_a_flat_rail() -> None:
+    """Take K = 5/7 for an estimate within two standard errors above it, and adapt the inertia beyond that."""
+    known = KnownRig(gravity=9.81, radius=0.0132, mass=0.071)
+    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0019, 0.001)
+    assert (rig.rolling_radius, note.name) == (0.0132, "rolling radius r")
+    assert rig.rolling_ratio == pytest.approx(5.0 / 7.0, rel=1e-12)
+    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0021, 0.001)
+    assert note.name == "inertia J"
+    assert rig.rolling_ratio == pytest.approx(5.0 / 7.0 + 0.0021, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", DEFAULT_ENGINES)
 @pytest.mark.parametrize(("known", "ratio", "chosen"), CASES)
 def test_engines_run_the_completed_rig(name: str, known: KnownRig, ratio: float, chosen: str) -> None:

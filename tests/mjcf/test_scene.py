@@ -12,6 +12,7 @@ from harness.engines.mujoco_parameters import MuJoCoParameters
 from mjcf.scene import ACROSS, BALL_START, SCENE_FILE, default_option, default_pair, make_scene
 
 PAPER = Rig()
+FLAT = PAPER.with_(rolling_radius=PAPER.radius)
 STEEP = Rig(mass=0.033, inertia=1.32e-6, radius=0.01, rolling_radius=0.007, eccentricity=0.02)  # normals lean 45.6°
 RIGS = pytest.mark.parametrize("rig", [PAPER, STEEP], ids=["paper", "steep groove"])
 
@@ -120,7 +121,38 @@ def test_rails_of_a_driven_run_reach_far() -> None:
     assert model.geom("rail_left").pos[0] == 0.0
 
 
-@RIGS
+@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 0.1])
+def test_ball_touches_a_flat_rail_once(driven: bool, angle: float) -> None:
+    """Find one contact, straight below the ball, and no guard touched."""
+    model, data = loaded(FLAT, driven=driven)
+    height = FLAT.eccentricity + FLAT.rolling_radius - 1e-8
+    cos, sin = math.cos(angle), math.sin(angle)
+    data.joint("pivot").qpos[0] = angle
+    data.joint("ball").qpos[:3] = 0.2 * cos + height * sin, 0.0, height * cos - 0.2 * sin
+    mujoco.mj_forward(model, data)
+    (contact,) = data.contact
+    np.testing.assert_allclose(contact.frame[:3], (-sin, 0.0, -cos), atol=1e-12)
+    x, y, z = contact.pos
+    # the middle of an overlap of 1e-8 m
+    assert (x * cos - z * sin, y, z * cos + x * sin) == pytest.approx((0.2, 0.0, FLAT.eccentricity), abs=1e-8)
+
+
+def test_guards_of_a_flat_rail_have_no_friction() -> None:
+    """Let the viewer's guards push the ball back and not brake it; a driven run has none."""
+    model, _ = loaded(FLAT, driven=False)
+    ball = model.geom("ball").id
+    names = [
+        model.geom(int(second if first == ball else first)).name
+        for first, second in zip(model.pair_geom1, model.pair_geom2, strict=True)
+    ]
+    assert set(names) == {"floor", "rail_left", "rail_right", "stop_near", "stop_far"}
+    assert {name for name, dim in zip(names, model.pair_dim, strict=True) if dim == 1} == {"rail_left", "rail_right"}
+    driven, _ = loaded(FLAT, driven=True)
+    assert {driven.geom(i).name for i in range(driven.ngeom)} == {"ball", "floor"}
+
+
+@pytest.mark.parametrize("rig", [PAPER, STEEP, FLAT], ids=["paper", "steep groove", "flat"])
 def test_scene_has_the_settings_of_the_engine(rig: Rig) -> None:
     """Show in the viewer what a run with default parameters computes, but for the margin it settles."""
     parameters = MuJoCoParameters()

@@ -199,14 +199,14 @@ def test_bad_input_is_a_usage_error(
     assert "Traceback" not in result.stderr.str() + result.stdout.str()
 
 
-def test_a_rig_that_an_engine_cannot_build_is_a_usage_error(pytester: pytest.Pytester, make_case: MakeCase) -> None:
-    """Answer a groove too flat for an engine with the engine's message and exit code 4, before anything runs."""
+def test_a_flat_rail_is_held_to_its_limits(pytester: pytest.Pytester, make_case: MakeCase) -> None:
+    """Run the engines on a rig whose ball rolls on a plane, and answer with a table as for any other rig."""
     case = make_case(tolerances=LIMITS)
     text = (case / "rig.toml").read_text(encoding="utf-8")
-    (case / "rig.toml").write_text(text.replace("= 0.0118", "= 0.01319999999"), encoding="utf-8")
+    (case / "rig.toml").write_text(text.replace("= 0.0118", "= 0.0132"), encoding="utf-8")
     result = run(pytester, "--case", case)
-    assert result.ret == pytest.ExitCode.USAGE_ERROR
-    result.stderr.fnmatch_lines(["ERROR: rolling_radius * leaves no groove *"])
+    assert result.ret in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+    result.stdout.fnmatch_lines([f"* {MUJOCO} *", f"* {PYBULLET} *"])
 
 
 @pytest.mark.slow

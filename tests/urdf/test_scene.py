@@ -63,6 +63,39 @@ def test_ball_touches_the_two_edges(client: int, tmp_path: Path, rig: Rig, angle
         assert normal == pytest.approx(lean, abs=1e-11)  # 1e-13 m over the distance R + ρ of 11 mm
 
 
+def test_another_reader_puts_the_ball_on_a_flat_rail() -> None:
+    """Read the beam of a flat rail in MuJoCo and find one contact, straight below the ball between the guards."""
+    rig = Rig(rolling_radius=Rig.radius)
+    spec = mujoco.MjSpec.from_string(beam_urdf(rig))
+    ball = spec.worldbody.add_body(pos=(0.3, 0.0, rig.eccentricity + rig.rolling_radius), mass=rig.mass)
+    ball.add_freejoint()
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(rig.radius, 0.0, 0.0), margin=1e-9)
+    data = mujoco.MjData(model := spec.compile())
+    mujoco.mj_forward(model, data)
+    (contact,) = data.contact
+    assert contact.dist == pytest.approx(0.0, abs=1e-13)
+    assert contact.pos == pytest.approx((0.3, 0.0, rig.eccentricity), abs=1e-13)
+    assert np.abs(contact.frame[:3]) == pytest.approx((0.0, 0.0, 1.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.06])
+def test_driven_flat_rail_is_a_plane(client: int, tmp_path: Path, angle: float) -> None:
+    """Load what the engine steps and find one contact, the normal exactly that of the plane."""
+    rig = Rig(rolling_radius=Rig.radius)
+    beam_file, ball_file = tmp_path / "beam.urdf", tmp_path / "ball.urdf"
+    beam_file.write_text(beam_urdf(rig, driven=True), encoding="utf-8")
+    ball_file.write_text(ball_urdf(rig), encoding="utf-8")
+    beam = pybullet.loadURDF(str(beam_file), useFixedBase=True, physicsClientId=client)
+    ball = pybullet.loadURDF(str(ball_file), physicsClientId=client)
+    pybullet.resetJointState(beam, 2, angle, physicsClientId=client)
+    centre = to_world(0.3, 0.0, rig.eccentricity + rig.rolling_radius, angle)
+    pybullet.resetBasePositionAndOrientation(ball, centre, (0, 0, 0, 1), physicsClientId=client)
+    pybullet.performCollisionDetection(physicsClientId=client)
+    (contact,) = pybullet.getContactPoints(ball, beam, physicsClientId=client)
+    assert contact[8] == pytest.approx(0.0, abs=1e-15)
+    assert to_beam(*contact[7], angle) == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)
+
+
 def test_another_reader_finds_the_same_contacts() -> None:
     """Read the committed beam in MuJoCo, put a ball on it, and find the same two contacts."""
     rig = Rig()

@@ -18,12 +18,14 @@ from urdf.scene import BALL_FILE, BEAM_FILE, ball_urdf, beam_urdf
 
 PAPER = Rig()
 SMALL = Rig(radius=0.01, rolling_radius=0.007, inertia=2.84e-6, eccentricity=-0.02)
+FLAT = PAPER.with_(rolling_radius=PAPER.radius)
 LONG = channel_of(PAPER, x_from=-RAIL_REACH, x_to=RAIL_REACH)
 TEXTS = {
     "committed beam": BEAM_FILE.read_text(encoding="utf-8"),
     "committed ball": BALL_FILE.read_text(encoding="utf-8"),
     "beam of another rig": beam_urdf(SMALL),
     "ball of another rig": ball_urdf(SMALL),
+    "beam of a flat rail": beam_urdf(FLAT),
     "driven beam": beam_urdf(PAPER, LONG, driven=True),
 }
 SCRIPTS = Path(sysconfig.get_path("scripts"))
