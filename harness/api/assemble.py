@@ -1,7 +1,8 @@
 """diagnosis.json from what a diagnosis found."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
+from harness.failures import Failed
 from harness.identify.design import proposal
 from harness.identify.design.proposal import Proposal
 from harness.identify.diagnosis import Diagnosis
@@ -18,6 +19,7 @@ from harness.identify.record import (
     EffectRecord,
     EngineRecord,
     ErrorsRecord,
+    FailureRecord,
     InputsRecord,
     LimitsRecord,
     MarginRecord,
@@ -80,8 +82,14 @@ def diagnosis_record(
             hashes=inputs.hashes, versions=inputs.versions, also={one.name: one.sha256 for one in further}, seed=0
         ),
         next_experiment=None if found.next_experiment is None else _next_experiment(found.next_experiment),
+        failures=failure_records(found.failures),
         wall_time_s=round(wall_time, 2),
     )
+
+
+def failure_records(failures: Iterable[Failed]) -> tuple[FailureRecord, ...]:
+    """Failures as diagnosis.json has them."""
+    return tuple(FailureRecord.model_validate(one) for one in failures)
 
 
 def _shape(spline: SplineTerm) -> ShapeRecord:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from harness.api.outputs import all_or_nothing, report_folder, write_csv
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis
 from harness.errors import InputError
+from harness.failures import Failures, Part, attempt
 from harness.identify.record import FILE, DiagnosisRecord
 from harness.progress import Progress
 from harness.recording import Recording, load_recording
@@ -98,23 +100,36 @@ class Diagnosis(LoadedDiagnosis):
         """Into `scratch`, from where it gets into `folder`; the effects are beside the catalogue."""
         import pandas as pd
 
+        from harness.api.assemble import failure_records
         from harness.identify.design.proposal import FILE as EXPERIMENT
         from harness.report.diagnosis import render_diagnosis
+        from harness.report.page import render_page
 
-        (scratch / FILE).write_text(self.record.text() + "\n", encoding="utf-8")
-        page = render_diagnosis(
-            self.found,
-            self.record,
-            self.case,
-            command=self._asked.command("diagnose", self.case.path),
-            replay=self._asked.command("replay", folder, self.case.path, whole=False),
-            jobs=jobs,
-        )
-        (scratch / REPORT).write_text(page, encoding="utf-8")
+        failures = Failures(self.found.failures)
         if self.found.next_experiment is not None:
             write_csv(pd.DataFrame(self.found.next_experiment.table()), scratch / EXPERIMENT)
         for file, name in prediction_files(self.case).items():
-            write_csv(self.predict(self.case.recordings[name]), scratch / file)
+            table = attempt(failures, Part.PREDICTION, name, partial(self.predict, self.case.recordings[name]), None)
+            if table is not None:
+                write_csv(table, scratch / file)
+        page = attempt(
+            failures,
+            Part.REPORT,
+            REPORT,
+            lambda: render_diagnosis(
+                self.found,
+                self.record,
+                self.case,
+                command=self._asked.command("diagnose", self.case.path),
+                replay=self._asked.command("replay", folder, self.case.path, whole=False),
+                jobs=jobs,
+                failures=failures,
+            ),
+            None,
+        ) or render_page(f"{self.case.name}: {self.sentence}", (), failures=failures.all)
+        (scratch / REPORT).write_text(page, encoding="utf-8")
+        self.record = self.record.model_copy(update={"failures": failure_records(failures.all)})
+        (scratch / FILE).write_text(self.record.text() + "\n", encoding="utf-8")
 
 
 def diagnose(

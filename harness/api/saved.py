@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 from harness.api.effects import Given, beside_catalogue
 from harness.formatting import number
-from harness.identify.record import FILE, DiagnosisRecord, EffectRecord, RmsRecord, UnlistedRecord, read_record
+from harness.identify.record import (
+    FILE,
+    DiagnosisRecord,
+    EffectRecord,
+    FailureRecord,
+    RmsRecord,
+    UnlistedRecord,
+    read_record,
+)
 from harness.recording import Recording, Sensors, load_recording
 from harness.report.tables import Summarised, Summary, Table, texts
 
@@ -47,6 +55,11 @@ class LoadedDiagnosis(Summarised):
     def unlisted(self) -> UnlistedRecord | None:
         """The law that no catalogue lists, if there is one."""
         return self.record.unlisted
+
+    @property
+    def failures(self) -> tuple[FailureRecord, ...]:
+        """Engines, candidates, report sections and other parts that failed, without which it was made."""
+        return self.record.failures
 
     @property
     def sensors(self) -> Sensors:
@@ -130,6 +143,7 @@ class LoadedDiagnosis(Summarised):
         heads = [*texts("predicted by", "over"), "before [mm]", "after [mm]"]
         tables.append(Table("RMS errors, held out", heads, errors))
         lines = [self.sentence]
+        lines += map(str, self.failures)
         if self.record.next_experiment is not None:
             lines.append(self.record.next_experiment.sentence.replace("_", " "))
         return Summary(f"Diagnosis of {self.origin}", lines, tables)

@@ -206,7 +206,8 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
 
     CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
     diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
-    next_experiment.csv, the beam angle [rad] to record next, if one is proposed. Values are in SI units.
+    next_experiment.csv, the beam angle [rad] to record next, if one is proposed. Values are in SI units. If an engine,
+    a candidate or a section of the report fails, the rest is written, and the exit code is 3.
 
     \b
     Examples:
@@ -223,6 +224,9 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
     made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=True, **options)
     files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
     click.echo(made.record.text() if as_json else f"{made.sentence}\n{files}")
+    for one in made.failures:
+        click.echo(f"error: {one}", err=True)
+    sys.exit(3 if made.failures else 0)
 
 
 @main.command()

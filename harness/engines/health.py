@@ -16,6 +16,7 @@ class Failure(StrEnum):
     NOT_FINITE = "a state is not a finite number; lower the time step or make the contact softer"
     RESET = "the engine reset its state (bad acceleration); lower the time step or make the contact softer"
     FROZEN = "the engine repeated its state while time advanced; lower the time step"
+    CRASHED = "the engine's package raised this; check its installation with another recording, and report it"
     RAN_OFF = "the ball ran past the end of the rails; check the level angle and the start state"
 
 

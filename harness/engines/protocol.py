@@ -9,11 +9,11 @@ from typing import Generic, TypeVar
 from analytic.geometry import RAIL_REACH
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
-from harness.engines.health import Health
+from harness.engines.health import Failure, Health
 from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, start_of
 from harness.engines.parameters import EngineParameters
 from harness.engines.watch import Limits, Samples, judge, limits_of
-from harness.errors import InputError
+from harness.errors import EngineFailure, HarnessError, InputError
 
 
 @dataclass(frozen=True)
@@ -96,6 +96,16 @@ class Engine(ABC, Generic[Parameters]):
         limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
         grid = grid_of(motion, time, settings.time_step)
         task = Task(rig, settings, grid, start_of(rig, motion, grid, start, force), force, limits)
-        track, samples = self.drive(task)
+        track, samples = self._driven(task)
         health = judge(self.name, rig, grid, track, samples, limits)
         return EngineRun(*sample(self.name, rig, grid, track, start, time), health)
+
+    def _driven(self, task: Task[Parameters]) -> tuple[Track, Samples]:
+        """As `drive`; whatever the engine's package raises is a failure of the engine."""
+        try:
+            return self.drive(task)
+        except HarnessError:
+            raise
+        except Exception as error:
+            what = f"{type(error).__name__}: {error}; {Failure.CRASHED.value}"
+            raise EngineFailure(self.name, Failure.CRASHED, float(task.grid.time[0]), what) from error

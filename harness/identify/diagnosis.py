@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, TypeVar
 
+from harness.failures import Failed, Failures, Part, attempt
 from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
 from harness.identify.design.proposal import Proposal
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -14,6 +16,7 @@ from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import BaselineComparison, compare_with_baselines
 from harness.identify.validation.engine_errors import engine_errors, engines_running
 from harness.identify.validation.held_out import (
+    UNKNOWN,
     BeforeAfter,
     HeldOut,
     fit_folds,
@@ -23,6 +26,8 @@ from harness.identify.validation.held_out import (
 )
 from harness.identify.verdict import Identification, Verdict, identify
 from harness.progress import Progress, Stage, silent
+
+T = TypeVar("T")
 
 # Begin and end of each stage as shares of the whole time, and its usual number of progress texts: measured for a rig
 # with one hidden effect and two recordings of 8 s, on two cores.
@@ -50,6 +55,7 @@ class Diagnosis(Identification):
         next_experiment: the proposed experiment; `None` if no motion of the library would add to the result.
         baselines: comparison with the baselines; `None` if the recordings are too short.
         hidden: effects that cannot be separated from unknown rig quantities.
+        failures: parts that failed, without which the diagnosis was made.
     """
 
     identify: BeforeAfter
@@ -59,6 +65,7 @@ class Diagnosis(Identification):
     next_experiment: Proposal | None = None
     baselines: BaselineComparison | None = None
     hidden: tuple[str, ...] = ()
+    failures: tuple[Failed, ...] = ()
 
 
 def diagnose(
@@ -71,6 +78,8 @@ def diagnose(
 ) -> Diagnosis:
     """Identify, validate, compare with the baselines and propose the next experiment.
 
+    A part that raises is left out and named in `failures`; only the rig's base fit has to succeed.
+
     Args:
         progress: receives the progress texts.
         also: further recordings, used for validation only.
@@ -78,28 +87,44 @@ def diagnose(
         jobs: processes for the engines' runs (`harness.parallel`); 1 runs them in this process.
     """
     searching, validating, running = (Stage(progress, *stage) for stage in (_SEARCH, _VALIDATION, _ENGINES))
-    identified = identify(problem, searching)
+    failures = Failures()
+    identified = identify(problem, searching, failures)
     base, found = identified.base, identified.found
-    held = fit_folds(problem, base, found, validating)
+
+    def validated(name: str, job: Callable[[], T], otherwise: T) -> T:
+        return attempt(failures, Part.VALIDATION, name, job, otherwise)
+
+    held: tuple[HeldOut, ...] = validated(
+        "fits without a recording", lambda: fit_folds(problem, base, found, validating), ()
+    )
     others = {
-        recording.name: Another(
-            on_another(problem, base, found, recording, validating),
-            engine_errors(HeldOut(problem, base, found, (recording,)), progress=validating, jobs=jobs),
+        one.name: Another(
+            validated(f"on {one.name}", partial(on_another, problem, base, found, one, validating), UNKNOWN),
+            engine_errors(HeldOut(problem, base, found, (one,)), progress=validating, jobs=jobs, failures=failures),
         )
-        for recording in also
+        for one in also
     }
     in_sample = HeldOut(problem, base, found, problem.recordings)
-    with engines_running(in_sample, held, running, jobs=jobs) as engines:
-        return Diagnosis(
+    with engines_running(in_sample, held, running, jobs=jobs, failures=failures) as engines:
+        made = Diagnosis(
             **vars(identified),
-            identify=on_identify(problem, base, found, validating),
-            heldout=on_held_out(held),
+            identify=validated(
+                "on the recordings fitted to", lambda: on_identify(problem, base, found, validating), UNKNOWN
+            ),
+            heldout=validated("on held-out recordings", lambda: on_held_out(held), UNKNOWN) if held else UNKNOWN,
             also=others,
-            next_experiment=_next_experiment(identified, length, validating),
-            baselines=compare_with_baselines(held, validating),
+            next_experiment=attempt(
+                failures,
+                Part.NEXT_EXPERIMENT,
+                "",
+                lambda: _next_experiment(identified, length, validating),
+                None,
+            ),
+            baselines=attempt(failures, Part.BASELINES, "", lambda: compare_with_baselines(held, validating), None),
             hidden=hidden_by(problem.unknown),
             engines=engines(),
         )
+    return replace(made, failures=failures.all)
 
 
 def _next_experiment(identified: Identification, length: float | None, progress: Progress) -> Proposal | None:

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from harness.errors import InputError
+from harness.failures import described
 
 SCHEMA = 2
 """Version of the format."""
@@ -341,6 +342,18 @@ class NextExperimentRecord(Part):
     limits: LimitsRecord
 
 
+class FailureRecord(Part):
+    """A part that failed and was left out, as `harness.failures.Failed`; the exit code is then 3."""
+
+    part: Literal["engine", "candidate", "search", "validation", "baselines", "next_experiment", "prediction", "report"]
+    name: str
+    message: str
+    where: str
+
+    def __str__(self) -> str:
+        return described(self.part, self.name, self.message, self.where)
+
+
 class DiagnosisRecord(Part):
     """diagnosis.json."""
 
@@ -358,6 +371,7 @@ class DiagnosisRecord(Part):
     model: ModelRecord
     inputs: InputsRecord
     next_experiment: NextExperimentRecord | None
+    failures: tuple[FailureRecord, ...] = ()
     wall_time_s: Finite
 
     def text(self) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
@@ -89,15 +90,21 @@ class Identification:
         return tuple(dict.fromkeys(regressor for spline in splines if spline for regressor in _regressors(spline)))
 
 
-def identify(problem: Problem, progress: Progress = silent) -> Identification:
-    """Select the missing terms and give the verdict, as `harness diagnose` reports and blind trials calibrate it."""
-    return judge(problem, search(problem, progress))
+def identify(problem: Problem, progress: Progress = silent, failures: Failures | None = None) -> Identification:
+    """Select the missing terms and give the verdict, as `harness diagnose` reports and blind trials calibrate it.
+
+    Args:
+        failures: as of `search`.
+    """
+    return judge(problem, search(problem, progress, failures), failures)
 
 
-def judge(problem: Problem, selection: Selection) -> Identification:
+def judge(problem: Problem, selection: Selection, failures: Failures | None = None) -> Identification:
     """The verdict on a selection, with the intervals of the parameters."""
-    criterion = Criterion(problem.settings)
-    found = with_interval_covariance(problem, selection.found)
+    criterion, plain = Criterion(problem.settings), selection.found
+    found = attempt(
+        failures, Part.SEARCH, "covariance of the intervals", lambda: with_interval_covariance(problem, plain), plain
+    )
     unseen = _unseen(problem, selection.ledger, criterion)
     names = selected_effects(problem, found)
     if found.hypothesis.spline is not None:

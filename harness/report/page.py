@@ -1,15 +1,17 @@
 """Renders a report page from sections, with table of contents and embedded style; no external resources."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.resources import files
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from harness.failures import Failed, Failures, Part, caught
 from harness.formatting import length, number
+from harness.parallel import side_by_side
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,63 @@ def environment() -> Environment:
     return made
 
 
-def render_page(title: str, sections: Sequence[Section], *, subtitle: str = "", badges: Sequence[Badge] = ()) -> str:
+@dataclass(frozen=True)
+class Body:
+    """A section with the HTML of its template."""
+
+    section: Section
+    html: Markup
+
+
+def body_of(section: Section) -> Body:
+    """Render the section's template."""
+    return Body(section, Markup(environment().get_template(section.template).render(section.context)))
+
+
+def failed_body(name: str, failed: Failed) -> Body:
+    """In place of a section that raised: what it raised."""
+    section = Section(f"failed-{name}", name.replace("_", " ").capitalize(), f"{name.replace('_', ' ')}: failed", "")
+    return Body(section, Markup('<div class="alert bad"><p>{}</p></div>').format(str(failed)))
+
+
+def bodies_of(
+    made: Mapping[str, Callable[[], Section | None]], failures: Failures | None = None, jobs: int = 1
+) -> list[Body]:
+    """The sections that apply, in order; one that raises says so in its place.
+
+    Args:
+        made: makes each section, by its name; `None` where it does not apply.
+        failures: collects the sections that raise; `None` lets them raise.
+        jobs: processes to draw in (`harness.parallel`).
+    """
+
+    def body(make: Callable[[], Section | None]) -> Body | None:
+        section = make()
+        return None if section is None else body_of(section)
+
+    def guarded(name: str, make: Callable[[], Section | None]) -> Body | Failed | None:
+        return body(make) if failures is None else caught(Part.REPORT, f"section {name}", partial(body, make))
+
+    bodies = []
+    drawn = side_by_side([partial(guarded, *each) for each in made.items()], jobs)
+    for name, one in zip(made, drawn, strict=True):
+        if isinstance(one, Failed):
+            if failures is not None:
+                failures.add(one)
+            bodies.append(failed_body(name, one))
+        elif one is not None:
+            bodies.append(one)
+    return bodies
+
+
+def render_page(
+    title: str,
+    sections: Sequence[Section | Body],
+    *,
+    subtitle: str = "",
+    badges: Sequence[Badge] = (),
+    failures: Sequence[Failed] = (),
+) -> str:
     """The HTML text of a page.
 
     Args:
@@ -80,19 +138,24 @@ def render_page(title: str, sections: Sequence[Section], *, subtitle: str = "", 
         sections: in the order of the page, with unique anchors.
         subtitle: one line below the heading.
         badges: beside the heading.
+        failures: shown at the top.
 
     Raises:
         ValueError: two sections share an anchor.
     """
-    anchors = [section.anchor for section in sections]
+    bodies = [one if isinstance(one, Body) else body_of(one) for one in sections]
+    anchors = [one.section.anchor for one in bodies]
     if len(set(anchors)) < len(anchors):
         raise ValueError(f"two sections share an anchor: {', '.join(anchors)}")
-    made = environment()
-    bodies = [Markup(made.get_template(section.template).render(section.context)) for section in sections]
-    return made.get_template("page.html").render(
-        title=title,
-        subtitle=subtitle,
-        badges=badges,
-        style=Markup((files("harness.report") / "style.css").read_text(encoding="utf-8")),
-        parts=list(zip(sections, bodies, strict=True)),
+    return (
+        environment()
+        .get_template("page.html")
+        .render(
+            title=title,
+            subtitle=subtitle,
+            badges=badges,
+            style=Markup((files("harness.report") / "style.css").read_text(encoding="utf-8")),
+            failures=[str(one) for one in failures],
+            parts=[(one.section, one.html) for one in bodies],
+        )
     )

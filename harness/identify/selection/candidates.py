@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from analytic.effects import CATALOGUE
+from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.fit import Fit, fit, unrefined
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.problem.hypothesis import Hypothesis
@@ -59,13 +60,20 @@ def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
 
 
 def fit_candidates(
-    problem: Problem, base: Fit, progress: Progress, *, excluding: str = "", replacing: bool = False
+    problem: Problem,
+    base: Fit,
+    progress: Progress,
+    *,
+    excluding: str = "",
+    replacing: bool = False,
+    failures: Failures | None = None,
 ) -> list[Fit]:
     """Fits of `base` with each candidate added, best first; only promising screening fits are optimised further.
 
     Args:
         excluding: an effect that is not tried.
         replacing: whether candidates replace that effect; they then have to explain most of what it did.
+        failures: collects candidates that raise, which are then left out; `None` lets them raise.
     """
     settings, criterion = problem.settings, Criterion(problem.settings)
     at_floor = criterion.at_noise_floor(problem, base)
@@ -77,7 +85,8 @@ def fit_candidates(
         price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if at_floor else 0.0
         return (base.deviance - deviance) / settings.overdispersion - price
 
-    screened = _screened(problem, base, progress, excluding, (COARSE_STEP,) if at_floor or replacing else _STEPS)
+    steps = (COARSE_STEP,) if at_floor or replacing else _STEPS
+    screened = _screened(problem, base, progress, excluding, steps, failures)
     if not screened:
         return []
     decreases = {name: predicted_decrease(screened[name]) for name in screened}
@@ -90,7 +99,7 @@ def fit_candidates(
         first = screened[name][0]
         if name not in promising:
             return unrefined(problem, _with(base, name), first)
-        progress(f"fit: {' + '.join((*base.hypothesis.names, name))}")
+        progress(f"fit: {_title(base, name)}")
         close = first.deviance + settings.screened_share * (base.deviance - first.deviance)
         starts = [end.theta for end in screened[name][: settings.starts_followed] if end.deviance <= close]
         return fit(problem, _with(base, name), process_noise=first.process_noise, starts=starts, rounds=1)
@@ -99,38 +108,69 @@ def fit_candidates(
         abandon = settings.abandon_behind if first.hypothesis.names[-1] in promising else 0.0
         if criterion.value(first) > best + abandon:
             return replace(first, abandoned=True)
-        progress(f"fit: {' + '.join(first.hypothesis.names)}")
+        progress(f"fit: {title(first)}")
         return fit(problem, first.hypothesis, process_noise=first.process_noise, starts=[first.theta])
 
-    begun = in_threads(begin, names)
+    def title(fit: Fit) -> str:
+        return " + ".join(fit.hypothesis.names)
+
+    begun = [one for _, one in fitted_each(begin, names, lambda name: _title(base, name), failures)]
     best = min((criterion.value(one) for one in begun if one.hypothesis.names[-1] in promising), default=-math.inf)
-    return sorted(in_threads(finish, begun), key=criterion.value)
+    return sorted((one for _, one in fitted_each(finish, begun, title, failures)), key=criterion.value)
 
 
-def best_screened(problem: Problem, base: Fit, progress: Progress) -> float:
+def best_screened(problem: Problem, base: Fit, progress: Progress, failures: Failures | None = None) -> float:
     """The lowest criterion of the screening fits of `base` with a candidate added."""
-    screened = _screened(problem, base, progress, "", _STEPS)
+    screened = _screened(problem, base, progress, "", _STEPS, failures)
     criterion = Criterion(problem.settings)
     fits = (unrefined(problem, _with(base, name), ends[0]) for name, ends in screened.items())
     return min(map(criterion.value, fits), default=math.inf)
 
 
 def _screened(
-    problem: Problem, base: Fit, progress: Progress, excluding: str, steps: Sequence[float]
+    problem: Problem, base: Fit, progress: Progress, excluding: str, steps: Sequence[float], failures: Failures | None
 ) -> dict[str, list[ScreeningFit]]:
     """Screening fits of `base` with each candidate added, by candidate."""
     names = [name for name in candidates(problem) if name not in (*base.hypothesis.names, excluding)]
 
     def screened(name: str) -> list[ScreeningFit]:
-        progress(f"screening: {' + '.join((*base.hypothesis.names, name))}")
+        progress(f"screening: {_title(base, name)}")
         hypothesis = _with(base, name)
         return screen(problem, hypothesis, base.process_noise, base.values(), without=base.deviance, steps=steps)
 
-    return dict(zip(names, in_threads(screened, names), strict=True))
+    return dict(fitted_each(screened, names, lambda name: _title(base, name), failures))
+
+
+def _title(base: Fit, name: str) -> str:
+    return " + ".join((*base.hypothesis.names, name))
 
 
 def _with(base: Fit, name: str) -> Hypothesis:
     return Hypothesis((*base.hypothesis.names, name), base.hypothesis.spline)
+
+
+def fitted_each(
+    function: Callable[[_S], _T], arguments: Sequence[_S], title: Callable[[_S], str], failures: Failures | None
+) -> list[tuple[_S, _T]]:
+    """Each argument with its result, in order, computed in threads; without those of which the function raises, or
+    whose deviance is no number.
+
+    Args:
+        title: names the candidate of an argument.
+        failures: collects them; `None` lets them raise.
+    """
+
+    def checked(argument: _S) -> _T:
+        result = function(argument)
+        for one in result if isinstance(result, list) else [result]:
+            if math.isnan(getattr(one, "deviance", 0.0)):
+                raise FloatingPointError("the deviance of this fit is not a number")
+        return result
+
+    def tried(argument: _S) -> list[tuple[_S, _T]]:
+        return attempt(failures, Part.CANDIDATE, title(argument), lambda: [(argument, checked(argument))], [])
+
+    return [pair for pairs in in_threads(tried, arguments) for pair in pairs]
 
 
 def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:

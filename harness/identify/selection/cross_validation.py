@@ -77,7 +77,8 @@ def _extended(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -
         tuned = tuned_to_windows(problem, candidate, windows)
         return float(np.mean(np.square(window_errors(problem, tuned, windows))))
 
-    tried = sorted(fit_candidates(problem, base, progress), key=in_sample)[: problem.settings.validated_candidates]
+    fits = fit_candidates(problem, base, progress, failures=ledger.failures)
+    tried = sorted(fits, key=in_sample)[: problem.settings.validated_candidates]
     before, tests = held_out_errors(problem, base), len(candidates(problem))
     rounds = []
     for candidate in tried:

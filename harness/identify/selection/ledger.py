@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
+from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.fit import Fit
 from harness.identify.selection.criterion import NONE, Criterion, Decision, Evidence, Rule
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +66,15 @@ class Line:
 
 
 class Ledger:
-    """Decides by the criterion and records every decision."""
+    """Decides by the criterion and records every decision; `failures` collects what could not be tried."""
 
-    def __init__(self, criterion: Criterion) -> None:
-        self.criterion = criterion
+    def __init__(self, criterion: Criterion, failures: Failures | None = None) -> None:
+        self.criterion, self.failures = criterion, failures
         self.lines: list[Line] = []
+
+    def attempt(self, step: str, job: Callable[[], T], otherwise: T) -> T:
+        """The result of a step of the search; `otherwise` if it raises and there is a collector of failures."""
+        return attempt(self.failures, Part.SEARCH, step, job, otherwise)
 
     def decide(
         self, rule: Rule, fit: Fit, against: Fit, effects: Sequence[str] = (), evidence: Evidence = NONE

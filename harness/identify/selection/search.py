@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -29,12 +30,18 @@ class Selection:
     ledger: tuple[Line, ...]
 
 
-def search(problem: Problem, progress: Progress = silent) -> Selection:
-    """Select the terms that the recordings require beside the known effects."""
-    ledger = Ledger(Criterion(problem.settings))
+def search(problem: Problem, progress: Progress = silent, failures: Failures | None = None) -> Selection:
+    """Select the terms that the recordings require beside the known effects.
+
+    Args:
+        failures: collects candidates and steps that raise, without which the search goes on; `None` lets them raise.
+    """
+    ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
-    found = stepwise(problem, base, ledger, progress)
+    found = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, ledger, progress), base)
     if not ledger.criterion.at_noise_floor(problem, found):
-        found = with_spline_term(problem, found, ledger, progress)
-    found = cross_validate(problem, base, found, ledger, progress)
+        effects = found
+        found = ledger.attempt("spline terms", lambda: with_spline_term(problem, effects, ledger, progress), effects)
+    terms = found
+    found = ledger.attempt("cross-validation", lambda: cross_validate(problem, base, terms, ledger, progress), terms)
     return Selection(base, found, tuple(ledger.lines))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from analytic.effects import CATALOGUE, Acting, parameters_with
 from analytic.law import acceleration, dry_limit
 from analytic.motion import FloatArray
 from analytic.slots import RESPONSE, ROLL, WEIGHT
+from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit, unrefined
 from harness.identify.estimate.initial_phase import phase_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
@@ -18,7 +20,7 @@ from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import in_threads, selected_effects
+from harness.identify.selection.candidates import fitted_each, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.progress import Progress
@@ -33,7 +35,9 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     A spline term that is kept is refined to twice the nodes if that pays and the kernel has room for them, and each
     effect found before is tested again beside it.
     """
-    tried = _fit_kinds(problem, found, progress)
+    tried = _fit_kinds(problem, found, progress, ledger.failures)
+    if not tried:
+        return found
     best = tried[0]
     pays = ledger.criterion.needs_evidence(Rule.SPLINE, best, found)
     before, after = held_out_deviances(problem, found, best, progress) if pays else ((), ())
@@ -41,7 +45,8 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
     kept = [one for one in tried if ledger.decide(Rule.SPLINE, one, found, evidence=evidence)]
     if not kept:
         return found
-    best = _with_finer_spline(problem, best, ledger, progress) if _spline(best).refinable else best
+    if _spline(best).refinable:
+        best = ledger.attempt("finer spline term", partial(_with_finer_spline, problem, best, ledger, progress), best)
     for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"without {name}")
@@ -123,8 +128,12 @@ def _held_out_deviance(fold: Fold, fitted: Fit) -> float:
     return min(deviance_of(fold.problem, recording, fitted.terms, density, phase=phase) for density in densities)
 
 
-def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
-    """Fits of `found` with a spline term of each kind, best first; only promising screening fits are optimised."""
+def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failures | None = None) -> list[Fit]:
+    """Fits of `found` with a spline term of each kind, best first; only promising screening fits are optimised.
+
+    Args:
+        failures: collects kinds that raise, which are then left out; `None` lets them raise.
+    """
     steps = (COARSE_STEP, 1.0)
 
     def begin(depends: Regressor, friction: bool) -> Hypothesis:
@@ -143,9 +152,15 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
         progress(f"screening: {hypothesis.spline.name}")
         return screen(problem, hypothesis, found.process_noise, found.values(), steps=steps)[0]
 
-    hypotheses = in_threads(lambda kind: begin(*kind), KINDS)
-    screenings = list(zip(hypotheses, in_threads(screened, hypotheses), strict=True))
-    least = problem.settings.spline_share * max(found.deviance - first.expected_deviance for _, first in screenings)
+    def title(hypothesis: Hypothesis) -> str:
+        assert hypothesis.spline is not None
+        return hypothesis.spline.name
+
+    kinds = fitted_each(lambda kind: begin(*kind), KINDS, lambda kind: f"spline term of the {kind[0].value}", failures)
+    hypotheses = [hypothesis for _, hypothesis in kinds]
+    screenings = fitted_each(screened, hypotheses, title, failures)
+    gains = [found.deviance - first.expected_deviance for _, first in screenings]
+    least = problem.settings.spline_share * max(gains, default=0.0)
 
     def finish(screening: tuple[Hypothesis, ScreeningFit]) -> Fit:
         hypothesis, first = screening
@@ -153,7 +168,8 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress) -> list[Fit]:
             return unrefined(problem, hypothesis, first)
         return fit(problem, hypothesis, process_noise=found.process_noise, starts=[first.theta])
 
-    return sorted(in_threads(finish, screenings), key=Criterion(problem.settings).value)
+    finished = fitted_each(finish, screenings, lambda screening: title(screening[0]), failures)
+    return sorted((one for _, one in finished), key=Criterion(problem.settings).value)
 
 
 def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:

@@ -24,13 +24,13 @@ def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) ->
         ledger: records every decision.
     """
     settings, criterion = problem.settings, ledger.criterion
-    first = fit_candidates(problem, base, progress)
+    first = fit_candidates(problem, base, progress, failures=ledger.failures)
     best = _grow(problem, base, ledger.decide_round(Rule.ADD, first, base), ledger, progress)
     if not first or criterion.at_noise_floor(problem, best):
         return best
     least = max(settings.keep, settings.restart_share * criterion.gain(first[0], base))
     runners_up = [fit for fit in first[1 : 1 + settings.restarts_from] if criterion.gain(fit, base) > least]
-    screened = [(best_screened(problem, fit, progress), fit) for fit in runners_up]
+    screened = [(best_screened(problem, fit, progress, ledger.failures), fit) for fit in runners_up]
     lowest, runner_up = min(screened, key=itemgetter(0), default=(0.0, None))
     if runner_up is None or lowest >= criterion.value(best) + settings.restart_slack:
         return best
@@ -46,5 +46,6 @@ def _grow(problem: Problem, base: Fit, first: Fit | None, ledger: Ledger, progre
         best = swap_steps(problem, kept, ledger, progress)
         if len(selected_effects(problem, best)) >= problem.settings.max_effects:
             break
-        kept = ledger.decide_round(Rule.ADD, fit_candidates(problem, best, progress), best)
+        tried = fit_candidates(problem, best, progress, failures=ledger.failures)
+        kept = ledger.decide_round(Rule.ADD, tried, best)
     return best

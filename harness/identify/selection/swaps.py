@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 from analytic.effects import CATALOGUE
 from harness.identify.estimate.fit import Fit
@@ -23,13 +24,13 @@ def swap_steps(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) 
     """
     visited: list[set[str]] = []
     while True:
-        best = _split_or_merge(problem, best, ledger, progress)
+        best = ledger.attempt("splits", partial(_split_or_merge, problem, best, ledger, progress), best)
         if set(best.hypothesis.names) in visited:
             return best
         visited.append(set(best.hypothesis.names))
         former = best
         if len(selected_effects(problem, best)) > 1:
-            best = _swap(problem, best, ledger, progress)
+            best = ledger.attempt("swaps", partial(_swap, problem, best, ledger, progress), best)
         if best is former:
             return best
 
@@ -44,7 +45,7 @@ def _swap(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fi
             return without
         main = best.process_noise < problem.settings.main_effect_ratio * without.process_noise
         start = _at_values_of(problem, without, best) if main else without
-        tried = fit_candidates(problem, start, progress, excluding=name, replacing=main)
+        tried = fit_candidates(problem, start, progress, excluding=name, replacing=main, failures=ledger.failures)
         swapped = ledger.decide_round(Rule.SWAP, tried, without, holder=best)
         if swapped is not None:
             return swapped

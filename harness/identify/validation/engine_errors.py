@@ -17,10 +17,12 @@ from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
+from harness.engines.health import Failure
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
+from harness.failures import Failed, Failures, Part, caught
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
 from harness.identify.estimate.initial_phase import phase_of
@@ -41,7 +43,12 @@ _ROLLING_STEP = 2e-3
 
 
 def engine_errors(
-    main: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
+    main: HeldOut,
+    held: Sequence[HeldOut] = (),
+    progress: Progress = silent,
+    *,
+    jobs: int = 1,
+    failures: Failures | None = None,
 ) -> dict[str, dict[str, Any]]:
     """RMS errors [m] of each engine by horizon, before and after; horizons as in `held_out.errors`.
 
@@ -51,22 +58,29 @@ def engine_errors(
         main: the fits, and the recordings with which they are compared.
         held: the same for held-out recordings, if any.
         jobs: processes for the runs (`harness.parallel`); 1 runs them in this process.
+        failures: collects the engines' failures; whatever an engine raises is one.
 
     Returns:
         By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
         failed also "failed", its message.
     """
-    with engines_running(main, held, progress, jobs=jobs) as errors:
+    with engines_running(main, held, progress, jobs=jobs, failures=failures) as errors:
         return errors()
 
 
 @contextmanager
 def engines_running(
-    main: HeldOut, held: Sequence[HeldOut] = (), progress: Progress = silent, *, jobs: int = 1
+    main: HeldOut,
+    held: Sequence[HeldOut] = (),
+    progress: Progress = silent,
+    *,
+    jobs: int = 1,
+    failures: Failures | None = None,
 ) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
     """As `engine_errors`, but the engines run while the block does; the function that it is given awaits the errors."""
-    engines = {name: engine_of(name) for name in DEFAULT_ENGINES}
-    runs: dict[Hashable, Callable[[], Squares | str]] = {}
+    loaded = {name: caught(Part.ENGINE, name, partial(engine_of, name)) for name in DEFAULT_ENGINES}
+    engines = {name: engine for name, engine in loaded.items() if not isinstance(engine, Failed)}
+    runs: dict[Hashable, Callable[[], Squares | Failed]] = {}
     for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
         for split in (main, *held):
             for fit, recording in itertools.product((split.base, split.found), split.compared):
@@ -74,12 +88,13 @@ def engines_running(
     title = f"{' and '.join(engines)} on {', '.join(recording.name for recording in main.compared)}"
 
     def before_after(
-        engine: Engine, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | str]
+        engine: Engine | Failed, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | Failed]
     ) -> dict[str, Any]:
+        def of(split: HeldOut, fit: Fit, recording: PreparedRecording) -> Squares | Failed:
+            return engine if isinstance(engine, Failed) else results[_key(engine, fit, recording)]
+
         return {
-            when: _errors(
-                [results[_key(engine, fit(split), recording)] for split in splits for recording in split.compared]
-            )
+            when: _errors([of(split, fit(split), recording) for split in splits for recording in split.compared])
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
 
@@ -90,11 +105,15 @@ def engines_running(
 
         def errors() -> dict[str, dict[str, Any]]:
             progress(title, share=0.0)
-            results = dict(zip(runs, wait(), strict=True))
+            ended = caught(Part.ENGINE, " and ".join(engines), wait)  # a process may end with its engine
+            results = dict.fromkeys(runs, ended) if isinstance(ended, Failed) else dict(zip(runs, ended, strict=True))
+            for each in (*loaded.values(), *results.values()):
+                if failures is not None and isinstance(each, Failed):
+                    failures.add(each)
             return {
                 name: before_after(engine, [main], results)
                 | ({"heldout": before_after(engine, held, results)} if held else {})
-                for name, engine in engines.items()
+                for name, engine in loaded.items()
             }
 
         yield errors
@@ -114,22 +133,20 @@ def entries(fit: Fit) -> dict[str, str]:
     return places
 
 
-def _errors(runs: Sequence[Squares | str]) -> dict[str, Any]:
+def _errors(runs: Sequence[Squares | Failed]) -> dict[str, Any]:
     squares: dict[str, list[FloatArray]] = {}
     for run in runs:
-        if isinstance(run, str):
-            return {"rms_m": {}, "failed": run}
+        if isinstance(run, Failed):
+            return {"rms_m": {}, "failed": str(run)}
         for horizon, values in run:
             squares.setdefault(horizon, []).append(values)
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> Squares | str:
-    """Squared errors [m²] of every window by horizon, or the message of an engine that failed."""
-    try:
-        return _Scene(problem, found, recording, engine).squares()
-    except EngineFailure as failure:
-        return str(failure)
+def _squares(problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> Squares | Failed:
+    """Squared errors [m²] of every window by horizon, or how the engine failed."""
+    name = f"{engine.name} on {recording.name}"
+    return caught(Part.ENGINE, name, lambda: _Scene(problem, found, recording, engine).squares())
 
 
 class _Scene:
@@ -194,6 +211,9 @@ class _Scene:
             law=self.law,
         )
         run = self.engine.run(self.rig, self.motion, State(s, v), at, parameters=self.parameters, force=force)
+        if not np.isfinite(run.trajectory.position).all():
+            bad = float(at[np.argmin(np.isfinite(run.trajectory.position))])
+            raise EngineFailure(self.engine.name, Failure.NOT_FINITE, bad, Failure.NOT_FINITE.value)
         recorded = replace(self.sensor, delay=0.0).recorded(at, run.trajectory.position)
         if out.lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
             recorded = recorded + out.gain * (lagging - s) * np.exp(-(at - at[0]) / out.lag)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -70,6 +71,11 @@ class BeforeAfter:
 
     before: Errors
     after: Errors
+
+
+_UNKNOWN = Errors({}, math.nan, math.nan)
+UNKNOWN = BeforeAfter(_UNKNOWN, _UNKNOWN)
+"""In place of errors that could not be computed."""
 
 
 def on_identify(problem: Problem, base: Fit, found: Fit, progress: Progress) -> BeforeAfter:

@@ -1,11 +1,11 @@
 """The report of `harness diagnose`: missing physics of the model. Each section is a module listed in `SECTIONS`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 
+from harness.failures import Failures
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.record import DiagnosisRecord
-from harness.parallel import side_by_side
 from harness.recording import Case
 from harness.report.diagnosis import (
     baselines,
@@ -18,24 +18,31 @@ from harness.report.diagnosis import (
     verdict,
 )
 from harness.report.diagnosis.account import Account
-from harness.report.page import Badge, Section, render_page
+from harness.report.page import Badge, Section, bodies_of, render_page
 
-SECTIONS: tuple[Callable[[Account], Section | None], ...] = (
-    verdict.section,
-    residual_acceleration.section,
-    spline_term.section,
-    errors.section,
-    baselines.section,
-    ledger.rivals,
-    experiment.section,
-    ledger.ledger,
-    inputs.section,
-)
+SECTIONS: Mapping[str, Callable[[Account], Section | None]] = {
+    "verdict": verdict.section,
+    "residual_acceleration": residual_acceleration.section,
+    "spline_term": spline_term.section,
+    "errors": errors.section,
+    "baselines": baselines.section,
+    "rivals": ledger.rivals,
+    "next_experiment": experiment.section,
+    "ledger": ledger.ledger,
+    "inputs": inputs.section,
+}
 """In the order of the page; a section that does not apply returns `None`."""
 
 
 def render_diagnosis(
-    diagnosis: Diagnosis, record: DiagnosisRecord, case: Case, *, command: str = "", replay: str = "", jobs: int = 1
+    diagnosis: Diagnosis,
+    record: DiagnosisRecord,
+    case: Case,
+    *,
+    command: str = "",
+    replay: str = "",
+    jobs: int = 1,
+    failures: Failures | None = None,
 ) -> str:
     """The diagnosis report as HTML text.
 
@@ -46,12 +53,17 @@ def render_diagnosis(
         command: what repeats the diagnosis; empty if it is not known.
         replay: what replays its ledger; likewise.
         jobs: processes to draw in (`harness.parallel`); 1 for this one.
+        failures: those to show at the top, to which sections that raise are added; `None` shows those of the diagnosis
+            and lets a section raise.
     """
     account = Account(diagnosis, record, case, command, replay)
-    made = side_by_side([partial(section, account) for section in SECTIONS], jobs)
+    bodies = bodies_of({name: partial(section, account) for name, section in SECTIONS.items()}, failures, jobs)
+    badges = [Badge("simulated data", "warning")] if case.simulated else []
+    failed = diagnosis.failures if failures is None else failures.all
     return render_page(
         f"Ball and beam: diagnosis of {case.name}",
-        [section for section in made if section is not None],
+        bodies,
         subtitle=account.subtitle,
-        badges=[Badge("simulated data", "warning")] if case.simulated else [],
+        badges=[*badges, Badge("incomplete", "bad")] if failed else badges,
+        failures=failed,
     )

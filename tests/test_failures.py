@@ -1,0 +1,58 @@
+"""What raises is kept as a failure with its text where a collector is given, and raises where none is."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from harness.errors import InputError
+from harness.failures import Failed, Failures, Part, attempt, caught
+
+
+def broken() -> int:
+    """Divide by zero."""
+    return 1 // 0
+
+
+def test_a_failure_has_type_text_and_place() -> None:
+    """Say what was raised and where, since it may be a fault of the program."""
+    failed = caught(Part.SEARCH, "swaps", broken)
+    assert isinstance(failed, Failed)
+    assert failed.message.startswith("ZeroDivisionError: ")
+    assert failed.where.startswith("test_failures.py, line ")
+    assert failed.where.endswith(", in broken")
+    assert str(failed) == f"search swaps failed: {failed.message} ({failed.where})"
+    assert pickle.loads(pickle.dumps(failed)) == failed
+
+
+def test_a_message_for_the_user_stands_alone() -> None:
+    """Leave out type and place of an error that names its remedy."""
+
+    def refuse() -> None:
+        raise InputError("the rig cannot be built; widen the gap")
+
+    assert str(caught(Part.ENGINE, "mujoco", refuse)) == (
+        "engine mujoco failed: the rig cannot be built; widen the gap"
+    )
+
+
+def test_without_a_collector_exceptions_pass() -> None:
+    """Raise where nobody would show the failure, and never swallow an interrupt."""
+    with pytest.raises(ZeroDivisionError):
+        attempt(None, Part.CANDIDATE, "level_error", broken, 0)
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        attempt(Failures(), Part.CANDIDATE, "level_error", interrupt, None)
+
+
+def test_a_failure_is_listed_once() -> None:
+    """Give what is left to do with, and collect equal failures once, in order."""
+    failures = Failures([Failed(Part.REPORT, "page", "first")])
+    for _ in range(2):
+        assert attempt(failures, Part.CANDIDATE, "level_error", broken, 7) == 7
+    assert attempt(failures, Part.CANDIDATE, "level_error", lambda: 8, 7) == 8
+    assert [one.part for one in failures.all] == ["report", "candidate"]
