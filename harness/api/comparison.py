@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,6 +14,7 @@ from harness.api.effects import Given, beside_catalogue
 from harness.api.outputs import all_or_nothing, report_folder, to_json
 from harness.api.progress import shown
 from harness.errors import EngineFailure, InputError
+from harness.failures import Failed, Failures
 from harness.progress import Progress
 from harness.report.tables import Summarised, Summary, Table, texts
 
@@ -43,6 +44,7 @@ class Comparison(Summarised):
         limits: the tolerances, likewise.
         wall_time: that it took [s].
         command: what repeats it; empty if not known.
+        report_failures: sections of the written report that failed.
     """
 
     case: Case
@@ -51,6 +53,7 @@ class Comparison(Summarised):
     limits: Tolerances | None = None
     wall_time: float = 0.0
     command: str = field(default="", compare=False)
+    report_failures: tuple[Failed, ...] = field(default=(), compare=False)
 
     @property
     def scores(self) -> pd.DataFrame:
@@ -108,14 +111,19 @@ class Comparison(Summarised):
             self._write(scratch)
         return folder
 
-    def _write(self, folder: Path) -> None:
+    def _write(self, folder: Path) -> tuple[Failed, ...]:
+        """Into `folder`; the sections of the report that failed."""
         from harness.api.outputs import manifest, write_tables
         from harness.report.comparison import render_comparison
 
         write_tables(self.study, folder)
         facts = manifest(self.study, command=self.command, wall_time=self.wall_time)
+        failures = Failures()
+        page = render_comparison(self.study, facts, checks=self.checks, failures=failures)
+        (folder / REPORT).write_text(page, encoding="utf-8")
+        facts["failures"] += map(str, failures.all)
         (folder / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
-        (folder / REPORT).write_text(render_comparison(self.study, facts, checks=self.checks), encoding="utf-8")
+        return failures.all
 
 
 def compare(
@@ -192,7 +200,7 @@ def compare(
             made = Comparison(case, result, checks, limits, time.monotonic() - begin, command)
             if scratch is not None:
                 tell("report", share=0.8)
-                made._write(scratch)
+                made = replace(made, report_failures=made._write(scratch))
     return made
 
 

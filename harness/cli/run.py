@@ -43,9 +43,9 @@ def run_case(
     folder = out or report_folder(case)
     made = compare(case, settings=settings, check=check_limits, out=folder, progress=True, **options)
     click.echo(_as_json(made, folder) if as_json else _as_text(made, folder))
-    for text in _failures(made):
+    for text in (*_failures(made), *made.report_failures):
         click.echo(f"error: {text}", err=True)
-    if made.failures:
+    if made.failures or made.report_failures:
         return 3
     return 0 if all(one.passed for one in made.checks) else 1
 
@@ -75,7 +75,7 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "attribution": {one.source: one.rms() for one in result.attributions},
             "checks": made.checks,
             "findings": result.setting.case.findings,
-            "failures": [str(failure) for failure in result.failures],
+            "failures": [str(failure) for failure in (*result.failures, *made.report_failures)],
         }
     )
 

@@ -56,7 +56,7 @@ class Identification:
         effects: identified effects beside the known ones.
         base, found: fits without and with the selected terms.
         ledger: every decision.
-        unseen: effects whose typical size is below the detection limit of these recordings.
+        unseen: effects whose typical size is below the detection limit of these recordings, or that could not be tried.
     """
 
     problem: Problem
@@ -106,6 +106,9 @@ def judge(problem: Problem, selection: Selection, failures: Failures | None = No
         failures, Part.SEARCH, "covariance of the intervals", lambda: with_interval_covariance(problem, plain), plain
     )
     unseen = _unseen(problem, selection.ledger, criterion)
+    if failures is not None and failures.all:
+        tried = {name for line in selection.ledger for name in line.effects}
+        unseen += tuple(name for name in candidates(problem) if name not in tried)
     names = selected_effects(problem, found)
     if found.hypothesis.spline is not None:
         verdict = Verdict.UNLISTED

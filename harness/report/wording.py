@@ -44,9 +44,10 @@ def sentence(diagnosis: Diagnosis) -> str:
                 f"no law that was tried predicts significantly better{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE:
+            failed = " or could not be tried" if diagnosis.failures else ""
             return (
                 "Not identifiable from these recordings: nothing was found, but at their typical size "
-                f"{_some(diagnosis.unseen)} would be below the detection limit."
+                f"{_some(diagnosis.unseen)} would be below the detection limit{failed}."
             )
         case Verdict.UNLISTED:
             beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""

@@ -110,6 +110,8 @@ def test_failures_cost_their_own_part_and_are_told(broken: Outcome, case: Path, 
     assert 'id="failed-residual_acceleration"' in page
     for anchor in ("verdict", "errors", "rivals", "ledger", "inputs"):
         assert f'<section id="{anchor}"' in page
+    assert page.count("SVD did not converge") >= 2  # at the top, and beside the ledger
+    assert "not tried since something failed, hence neither found nor excluded: " in page
     assert page.index("Not everything worked") < page.index('<section id="verdict"')
 
 

@@ -145,3 +145,41 @@ def test_the_module_is_the_command(tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert "nothing: there is no such file or folder" in done.stderr
+
+
+def test_a_section_that_raises(harness: Harness, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit with 3 where a section of the report raises, name it, and write all other sections and files."""
+    from harness.report.comparison import SECTIONS
+
+    def fail(_: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setitem(SECTIONS, "friction", fail)  # type: ignore[arg-type]
+    done = harness("run", case, "--window", 1, "--engine", "mujoco")
+    assert done.code == 3
+    (message,) = done.errors
+    assert message.startswith("error: report section friction failed: ZeroDivisionError: division by zero (")
+    folder = done.folder / "reports" / "case"
+    assert {file.name for file in folder.iterdir()} == FILES
+    page = (folder / "report.html").read_text("utf-8")
+    assert page.count("ZeroDivisionError: division by zero") == 2  # at the top and in its place
+    assert '<section id="answer"' in page
+    assert "ZeroDivisionError" in (folder / "manifest.json").read_text("utf-8")
+
+
+def test_an_engine_whose_package_raises(harness: Harness, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit with 3 and name the exception where an engine's package raises one, and report the other sources."""
+    from harness.engines.mujoco import MuJoCo
+
+    def fail(*_: object) -> None:
+        raise RuntimeError("no display")
+
+    monkeypatch.setattr(MuJoCo, "drive", fail)
+    done = harness("run", case, "--window", 1)
+    assert done.code == 3
+    (message,) = done.errors
+    assert "mujoco failed at t = " in message
+    assert "RuntimeError: no display" in message
+    rows = table(done.folder / "reports" / "case" / "trajectories.csv")
+    assert {row["mujoco_m"] for row in rows} == {""}
+    assert all(row["pybullet_m"] for row in rows)

@@ -65,6 +65,19 @@ def test_rolling_radius_of_engine(establish: Establish, name: str) -> None:
     establish(f"rolling radius s/φ, {name}", "√(R² − (w/2)²) = 11.8 mm", tolerance=1.0, measured=off, unit="µm")
 
 
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [("mujoco", 5.0), ("pybullet", 2.5), pytest.param("dart", 24.0, marks=needs_dart)]
+)
+def test_engine_follows_eq_14_on_a_flat_rail(establish: Establish, name: str, tolerance: float) -> None:
+    """Keep each engine within the same tolerance where the ball rolls on a plane, r = R."""
+    rig = Rig(rolling_radius=Rig.radius)
+    position = reference(CAM, rig, MOTION, START, TIME).position
+    run = engine_of(name).run(rig, MOTION, START, TIME)
+    error = 1e6 * float(np.max(np.abs(run.trajectory.position - position)))
+    title = f"ball position on a flat rail, {name}, dt = 0.001 s"
+    establish(title, EQ_14, tolerance=tolerance, measured=error, unit="µm")
+
+
 def test_kernel_follows_eq_14(establish: Establish, exact: FloatArray) -> None:
     """Keep the compiled kernel within a nanometre of the adaptive solution."""
     error = 1e6 * float(np.max(np.abs(simulate([CAM], Rig(), MOTION, START, TIME)[0].position - exact)))

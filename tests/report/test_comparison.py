@@ -185,7 +185,7 @@ def test_findings_are_there(text):
 
 def test_failures_are_prominent(text):
     """Name a failed engine, when and why, before anything else is said."""
-    alert = text.index("broken failed at t = 0.300 s: the ball left the groove")
+    alert = text.index("broken failed at t = 0.300 s: the ball left the rails")
     assert alert < text.index("PyBullet agrees with CAM")
     assert text.index("broken failed") < alert, "the badge beside the title"
 

@@ -156,7 +156,7 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
         assert hypothesis.spline is not None
         return hypothesis.spline.name
 
-    kinds = fitted_each(lambda kind: begin(*kind), KINDS, lambda kind: f"spline term of the {kind[0].value}", failures)
+    kinds = fitted_each(lambda kind: begin(*kind), KINDS, lambda kind: blank(*kind, 0.0, 1.0).name, failures)
     hypotheses = [hypothesis for _, hypothesis in kinds]
     screenings = fitted_each(screened, hypotheses, title, failures)
     gains = [found.deviance - first.expected_deviance for _, first in screenings]

@@ -1,8 +1,10 @@
 """The report of `harness run`: all models and engines on one recording; one module per concept."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from harness.comparison.study import Study
+from harness.failures import Failures
 from harness.report.comparison import (
     ablation,
     drive,
@@ -16,29 +18,34 @@ from harness.report.comparison import (
     scores,
 )
 from harness.report.comparison.subject import Subject
-from harness.report.page import Badge, Section, render_page
+from harness.report.page import Badge, Section, bodies_of, render_page
 from harness.tolerances import Checked
 
-SECTIONS: tuple[Callable[[Subject], Section | None], ...] = (
-    result.section,
-    scores.checks,
-    horizons.section,
-    residuals.section,
-    engines.attribution,
-    paper.section,
-    ablation.section,
-    friction.section,
-    drive.section,
-    scores.metrics,
-    engines.health,
-    inputs.inputs,
-    inputs.reproduce,
-)
+SECTIONS: Mapping[str, Callable[[Subject], Section | None]] = {
+    "result": result.section,
+    "checks": scores.checks,
+    "horizons": horizons.section,
+    "residuals": residuals.section,
+    "attribution": engines.attribution,
+    "paper": paper.section,
+    "ablation": ablation.section,
+    "friction": friction.section,
+    "drive": drive.section,
+    "metrics": scores.metrics,
+    "engines": engines.health,
+    "inputs": inputs.inputs,
+    "reproduce": inputs.reproduce,
+}
 """In the order of the page; a section that does not apply returns `None`."""
 
 
 def render_comparison(
-    study: Study, manifest: Mapping[str, object], *, checks: Sequence[Checked] = (), command: str = ""
+    study: Study,
+    manifest: Mapping[str, object],
+    *,
+    checks: Sequence[Checked] = (),
+    command: str = "",
+    failures: Failures | None = None,
 ) -> str:
     """The comparison report as HTML text.
 
@@ -47,14 +54,16 @@ def render_comparison(
         manifest: hashes, versions, settings, as written to manifest.json.
         checks: outcomes of tolerance checks, if requested.
         command: to repeat the run; empty for the manifest's.
+        failures: collects sections that raise, which then say so; `None` lets them raise.
     """
     subject = Subject(study, manifest, tuple(checks), command or str(manifest.get("command", "")))
-    sections = [made for section in SECTIONS if (made := section(subject)) is not None]
+    bodies = bodies_of({name: partial(section, subject) for name, section in SECTIONS.items()}, failures)
     return render_page(
         f"Ball and beam: {study.setting.case.name}, {study.setting.recording.name}",
-        sections,
+        bodies,
         subtitle=subject.subtitle,
         badges=_badges(subject),
+        failures=() if failures is None else failures.all,
     )
 
 

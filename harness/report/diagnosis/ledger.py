@@ -1,5 +1,6 @@
 """Sections on what was fitted: rivals in place of each effect found, and the ledger of all hypotheses in order."""
 
+from harness.failures import Part
 from harness.formatting import fixed
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
@@ -96,6 +97,7 @@ def ledger(account: Account) -> Section:
         "attempts": len(lines),
         "kept": sum(one.kept for one in lines),
         "table": Table("All entries", columns, rows),
+        "failed": [str(one) for one in account.diagnosis.failures if one.part in (Part.CANDIDATE, Part.SEARCH)],
         "replay": account.replay,
     }
     return Section("ledger", "Ledger", "Ledger", "diagnosis/ledger.html", context)

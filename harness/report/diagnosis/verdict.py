@@ -33,6 +33,7 @@ def section(account: Account) -> Section:
         "found": _found(account) if account.diagnosis.effects else None,
         # Beside a spline term no candidate was tried again, and without it the process noise hides what is small.
         "unseen": () if account.diagnosis.found.terms.spline is not None else account.diagnosis.unseen,
+        "failed": bool(account.diagnosis.failures),
         "hidden": account.diagnosis.hidden,
         "picture": _picture(account),
     }

@@ -1,0 +1,81 @@
+"""A search goes on without what raises, keeps what it has, and never takes a failure for an absence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.failures import Failures
+from harness.identify.selection import candidates, search, spline_terms
+from harness.identify.verdict import Verdict, identify
+from tests.posed import Posed
+
+
+def test_without_any_candidate_nothing_is_excluded(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Answer that nothing is identifiable, not that nothing acts, where every candidate fails."""
+
+    def fail(*_: Any, **__: Any) -> Any:
+        raise np.linalg.LinAlgError("singular matrix")
+
+    monkeypatch.setattr(candidates, "screen", fail)
+    failures = Failures()
+    found = identify(plain.problem, failures=failures)
+    assert found.verdict is Verdict.NOT_IDENTIFIABLE
+    assert set(found.unseen) == set(candidates.candidates(plain.problem)) == {one.name for one in failures.all}
+    with pytest.raises(np.linalg.LinAlgError):
+        identify(plain.problem)
+
+
+def test_a_deviance_that_is_no_number_is_a_failure(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out a candidate whose fit ends with NaN, and say so."""
+    base, original, failures = search.search(plain.problem).base, candidates.screen, Failures()
+
+    def screen(problem: Any, hypothesis: Any, *arguments: Any, **options: Any) -> Any:
+        ends = original(problem, hypothesis, *arguments, **options)
+        bad = "level_error" in hypothesis.names
+        return [replace(end, deviance=math.nan) for end in ends] if bad else ends
+
+    monkeypatch.setattr(candidates, "screen", screen)
+    tried = candidates.fit_candidates(plain.problem, base, lambda *_, **__: None, failures=failures)
+    names = {one.hypothesis.names[-1] for one in tried}
+    assert names == set(candidates.candidates(plain.problem)) - {"level_error"}
+    (failure,) = failures.all
+    assert (failure.part, failure.name) == ("candidate", "level_error")
+    assert "not a number" in failure.message
+
+
+def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep the effects where spline terms and cross-validation raise, and name both."""
+
+    def fail(*_: Any, **__: Any) -> Any:
+        raise ValueError("array must not contain infs or NaNs")
+
+    monkeypatch.setattr(search, "with_spline_term", fail)
+    monkeypatch.setattr(search, "cross_validate", fail)
+    monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
+    monkeypatch.setattr(search, "stepwise", lambda problem, base, ledger, progress: base)
+    failures = Failures()
+    selection = search.search(plain.problem, failures=failures)
+    assert selection.found is selection.base
+    assert [(one.part, one.name) for one in failures.all] == [
+        ("search", "spline terms"),
+        ("search", "cross-validation"),
+    ]
+
+
+def test_spline_terms_that_all_fail_leave_the_effects(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Go on without any spline term where none can be fitted."""
+
+    def fail(*_: Any, **__: Any) -> Any:
+        raise FloatingPointError("overflow")
+
+    monkeypatch.setattr(spline_terms, "screen", fail)
+    failures = Failures()
+    ledger = search.Ledger(search.Criterion(plain.problem.settings), failures)
+    found = search.fit(plain.problem, search.Hypothesis(()))
+    assert spline_terms.with_spline_term(plain.problem, found, ledger, lambda *_, **__: None) is found
+    assert len(failures.all) == len(spline_terms.KINDS)
