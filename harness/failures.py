@@ -14,7 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TypeVar
 
-from harness.errors import HarnessError
+from harness.errors import EngineFailure, HarnessError
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -80,11 +80,18 @@ def caught(part: Part, name: str, job: Callable[[], T]) -> T | Failed:
     try:
         return job()
     except Exception as error:
+        if isinstance(error, EngineFailure) and error.__cause__ is not None:  # an exception of the engine's package
+            return Failed(part, name, str(error), _place(error.__cause__))
         if isinstance(error, HarnessError):
             return Failed(part, name, str(error))
-        last = traceback.extract_tb(error.__traceback__)[-1]
         text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        return Failed(part, name, text, f"{Path(last.filename).name}, line {last.lineno}, in {last.name}")
+        return Failed(part, name, text, _place(error))
+
+
+def _place(error: BaseException) -> str:
+    """File, line and function that raised."""
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{Path(last.filename).name}, line {last.lineno}, in {last.name}"
 
 
 def attempt(failures: Failures | None, part: Part, name: str, job: Callable[[], T], otherwise: U) -> T | U:

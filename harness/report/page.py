@@ -89,7 +89,8 @@ def body_of(section: Section) -> Body:
 
 def failed_body(name: str, failed: Failed) -> Body:
     """In place of a section that raised: what it raised."""
-    section = Section(f"failed-{name}", name.replace("_", " ").capitalize(), f"{name.replace('_', ' ')}: failed", "")
+    title = name.replace("_", " ").capitalize()
+    section = Section(f"failed-{name}", title, f"{title}: failed", "")
     return Body(section, Markup('<div class="alert bad"><p>{}</p></div>').format(str(failed)))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from analytic.effects import CATALOGUE, Parameter
 from analytic.rig import Rig
+from harness.failures import Part
 from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.spline_term import Regressor
@@ -119,7 +120,9 @@ def _ends(heldout: BeforeAfter) -> tuple[str, float, float] | None:
 def _fall(diagnosis: Diagnosis) -> str:
     ends = _ends(diagnosis.heldout)
     if ends is None:
-        return "; the recordings are too short for held-out errors"
+        failed = any(one.part is Part.VALIDATION for one in diagnosis.failures)
+        why = "held-out errors could not be computed" if failed else "the recordings are too short for held-out errors"
+        return f"; {why}"
     span, before, after = ends
     verb = "decreases" if after < before else "increases"
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"

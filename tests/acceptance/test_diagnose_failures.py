@@ -74,6 +74,7 @@ def test_failures_cost_their_own_part_and_are_told(broken: Outcome, case: Path, 
     page = (folder / "diagnosis.html").read_text(encoding="utf-8")
 
     assert found["verdict"] == "effect"
+    assert "held-out errors could not be computed" in found["sentence"]
     assert [one["name"] for one in found["effects"]] == [HIDDEN]
     low, high = (found["effects"][0]["parameters"]["coefficient"][end] for end in ("low", "high"))
     assert low < 0.004 < high
@@ -95,7 +96,9 @@ def test_failures_cost_their_own_part_and_are_told(broken: Outcome, case: Path, 
     assert all(line.startswith("error: ") for line in broken.errors)
     assert "Traceback" not in broken.err
     # what raised is named by file and line, as it may be a fault of the program
-    assert any(one["where"].startswith("test_diagnose_failures.py, line") for one in found["failures"])
+    for part in ("engine", "candidate", "report"):
+        places = [one["where"] for one in found["failures"] if one["part"] == part]
+        assert any(place.startswith("test_diagnose_failures.py, line") for place in places), part
 
     for engine, message in {"mujoco": "no display", "pybullet": "not a finite number"}.items():
         for run in (found["errors"]["engines"][engine], found["errors"]["engines"][engine]["heldout"]):

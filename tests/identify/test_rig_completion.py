@@ -55,14 +55,14 @@ def test_a_ratio_close_to_that_of_a_plane_keeps_the_ball_solid(share: float) -> 
 
 
 def test_an_estimate_just_above_that_of_a_plane_is_a_flat_rail() -> None:
-    """Take K = 5/7 for an estimate within two standard errors above it, and adapt the inertia beyond that."""
+    """Take K = 5/7 for an estimate within three standard errors above it, and adapt the inertia beyond that."""
     known = KnownRig(gravity=9.81, radius=0.0132, mass=0.071)
-    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0019, 0.001)
+    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0029, 0.001)
     assert (rig.rolling_radius, note.name) == (0.0132, "rolling radius r")
     assert rig.rolling_ratio == pytest.approx(5.0 / 7.0, rel=1e-12)
-    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0021, 0.001)
+    rig, note = rig_of_ratio(known, rough_rig(known), 5.0 / 7.0 + 0.0031, 0.001)
     assert note.name == "inertia J"
-    assert rig.rolling_ratio == pytest.approx(5.0 / 7.0 + 0.0021, rel=1e-12)
+    assert rig.rolling_ratio == pytest.approx(5.0 / 7.0 + 0.0031, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", DEFAULT_ENGINES)
