@@ -1,4 +1,4 @@
-"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 an engine failed."""
+"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 a part failed."""
 
 import math
 import os
@@ -104,7 +104,7 @@ def main() -> None:
       harness replay reports/my_rig/ my_rig/
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
-    no, 2 bad use or bad input, 3 an engine failed.
+    no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
     """
 
 

@@ -135,9 +135,9 @@ def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> t
     """A rig with rolling ratio K = `ratio` and its known quantities unchanged; and the quantity adapted for this.
 
     K determines only J/(m r²) = 1/K − 1. For a ball of known or solid inertia, r is adapted; if r is known or would be
-    outside `_RADIUS_RATIO_RANGE`, J or else m. A K that exceeds that of this ball on a flat rail, r = R, by at most three
-    standard errors `std` is taken for that of the flat rail. K ≥ 1 is impossible for a rolling body; then g is scaled,
-    which is equivalent to a gain of the angle.
+    outside `_RADIUS_RATIO_RANGE`, J or else m. A K that exceeds that of this ball on a flat rail, r = R, by at most
+    three standard errors `std` is taken for that of the flat rail. K ≥ 1 is impossible for a rolling body; then g is
+    scaled, which is equivalent to a gain of the angle.
     """
     if ratio >= 1.0:
         gravity = rig.gravity * ratio / rig.rolling_ratio
