@@ -102,6 +102,7 @@ def main() -> None:
       harness diagnose my_rig/          missing physics by name, with parameters and intervals
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness replay reports/my_rig/ my_rig/
+      harness simulate --out virtual/ --imperfect
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
     no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
@@ -294,3 +295,56 @@ def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, *
         write_csv(table, scratch / target.name)
     summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
     click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")
+
+
+@main.command()
+@click.option("--out", type=_PATH, required=True, help="Folder to write the case into; new, or empty.")
+@click.option(
+    "--hide",
+    "hidden",
+    multiple=True,
+    metavar="NAME.PARAMETER=VALUE",
+    help="Effect that acts and is not declared (SI units); repeatable.",
+)
+@click.option(
+    "--declare",
+    "declared",
+    multiple=True,
+    metavar="NAME.PARAMETER=VALUE",
+    help="Effect that acts and is declared in rig.toml (SI units); repeatable.",
+)
+@click.option("--imperfect", is_flag=True, help="Record with imperfections of real rigs; kinds and sizes are drawn.")
+@click.option(
+    "--imperfection",
+    "imperfections",
+    multiple=True,
+    metavar="KIND",
+    help="Record with this kind of imperfection: sensor_lag, dropouts, spikes, worn_track, stamps, coarse_noise, "
+    "zero_drift, commanded_angle, sampling; its size is drawn. Repeatable.",
+)
+@click.option(
+    "--duration",
+    type=click.FloatRange(min=2.0, max=600.0),
+    default=16.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="Length of each recording.",
+)
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections."
+)
+def simulate(out: Path, **options: Any) -> None:
+    """Simulate a case with a known truth on the paper's rig: rigid bodies in contact, none of the models under test.
+
+    Writes rig.toml, two recordings to identify from, one to predict, and truth.json: the effects that act, the
+    imperfections of the record, the seed. All files of the same seed are the same.
+
+    \b
+    Examples:
+      harness simulate --out virtual/ --hide level_error.angle=0.004
+      harness simulate --out virtual/ --imperfect --seed 7
+      harness simulate --out virtual/ --imperfection spikes --imperfection commanded_angle
+    """
+    from harness.cli.simulate import simulate_case
+
+    click.echo(simulate_case(out, **options))

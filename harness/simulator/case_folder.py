@@ -11,9 +11,11 @@ import numpy as np
 from analytic.effects import ECCENTRIC_PIVOT
 from harness.simulator.effects import UNLISTED, Effects
 from harness.simulator.experiment import Experiment, SimulatedRecording
+from harness.simulator.imperfections import Imperfections
 from harness.simulator.protocol import Record, recording_text
 
 ORIGIN = "simulated by harness.simulator (rigid bodies in contact, not one of the models under test); no measurement"
+IMPERFECT = "; the record is spoilt on purpose"
 KNOWN_UNTIL = 1.5  # positions of a recording to predict are blank after this [s]
 
 
@@ -30,7 +32,7 @@ def rig_text(experiment: Experiment) -> str:
     names = _names(experiment)
     identify, predict = names[: experiment.identify], names[experiment.identify :]
     return f"""\
-origin = "{ORIGIN}"
+origin = "{_origin(experiment)}"
 
 [ball]
 mass_kg = {rig.mass!r}
@@ -55,9 +57,12 @@ predict = {json.dumps(predict)}
 
 
 def truth(experiment: Experiment) -> dict[str, object]:
-    """What acts: hidden `effects`, what the `unlisted` one depends on most and its law, and what is declared."""
+    """What acts: hidden `effects`, what the `unlisted` one depends on most and its law, and what is declared.
+
+    Where the record is imperfect, also how (`Imperfections`), and how it was sampled.
+    """
     return {
-        "origin": ORIGIN,
+        "origin": _origin(experiment),
         "effects": _listed(experiment.hidden),
         "unlisted": next((UNLISTED[name].depends_on[0] for name in experiment.unlisted), None),
         "unlisted_effects": [
@@ -65,6 +70,7 @@ def truth(experiment: Experiment) -> dict[str, object]:
             for entry in _listed(experiment.unlisted)
         ],
         "declared": _listed(experiment.declared),
+        **({} if experiment.imperfections is None else _imperfect(experiment, experiment.imperfections)),
         "seed": experiment.seed,
     }
 
@@ -98,6 +104,19 @@ def write_case(
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
     return recordings
+
+
+def _origin(experiment: Experiment) -> str:
+    return ORIGIN if experiment.imperfections is None else ORIGIN + IMPERFECT
+
+
+def _imperfect(experiment: Experiment, imperfections: Imperfections) -> dict[str, object]:
+    sampled = {
+        "rate": experiment.rate,
+        "position_noise": experiment.position_noise,
+        "position_resolution": experiment.position_resolution,
+    }
+    return {"imperfections": imperfections.described(), "sampling": sampled}
 
 
 def _names(experiment: Experiment) -> list[str]:

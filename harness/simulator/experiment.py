@@ -12,13 +12,16 @@ from analytic.motion import FloatArray, State
 from analytic.rig import Rig, RigError
 from harness.errors import InputError
 from harness.simulator.effects import UNLISTED, Effects, checked
+from harness.simulator.imperfect_record import imperfect_record
+from harness.simulator.imperfections import Imperfections
 from harness.simulator.moves import SERVO, random_controller, random_protocol, random_start
 from harness.simulator.plant import Plant, Run, simulate
-from harness.simulator.protocol import Record, Sensors, perform, record, turned_before
+from harness.simulator.protocol import Record, Sensors, perform, perform_commanded, record, turned_before
 from harness.simulator.sensors import Encoder, Laser
 
 MARGIN = 0.1  # by which the laser reads further than the ball may roll [m]
 STEP = 2e-4  # of the plant [s]: 0.1 µm after 16 s, a thousandth of the laser's noise
+CLEAN = 0.3e-3  # noise of what the controller sees where the record is imperfect [m]
 TRIES = 20  # moves that are drawn until the ball stays where it may be
 
 Mover = Callable[[Run, Plant, State, FloatArray], tuple[FloatArray, FloatArray]]
@@ -73,10 +76,12 @@ class Experiment:
         reach: between which places the ball has to stay [m].
         friction: μ between ball and edge, unless `contact_slip` acts [1].
         step: of the plant [s].
+        imperfections: of the record; none without them, and the controller then sees the record itself.
         seed: of everything random.
 
     Raises:
-        InputError: effects that cannot be, or an effect that is both declared and hidden.
+        InputError: effects that cannot be, an effect that is both declared and hidden, or a servo that lags where
+            there is no controller.
     """
 
     rig: Rig = field(default_factory=Rig)
@@ -97,6 +102,7 @@ class Experiment:
     reach: tuple[float, float] = (0.12, 0.52)
     friction: float = 0.35
     step: float = STEP
+    imperfections: Imperfections | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -109,6 +115,8 @@ class Experiment:
         twice = sorted(set(self.declared) & set(self.hidden))
         if twice:
             raise InputError(f"{twice[0]} is both declared and hidden; give it once, with the values that act.")
+        if self.imperfections is not None and self.imperfections.servo_lag > 0.0 and not self.closed_loop:
+            raise InputError("a servo that lags is recorded by its commands; close the loop, there are none without.")
         checked(self.acting)
 
     @property
@@ -164,21 +172,22 @@ class Experiment:
 
     def recording(self, seed: int, mover: Mover | None = None) -> SimulatedRecording:
         """One recording, with its own moves and its own noise (see `recordings`)."""
-        run, written = self.carried_out(seed)
+        run, written, commands = self._carried_out(seed)
         sensors, dt = self.sensors, self.step
-        stride = sensors.stride(dt)
         position, velocity, rolled = run.position, run.velocity, run.rolled_angle
         if mover is not None:
             position, velocity = mover(run, self.plant(seed, self.acting), State(float(run.position[0]), 0.0), run.time)
             rolled = np.full_like(position, math.nan)
-            written = record(replace(run, position=position), sensors, seed)
+            run = replace(run, position=position)
+            written = self._written(run, commands, seed)
+        stamps = np.minimum(written.time, run.time[-1])  # a late one may lie beyond the end
         return SimulatedRecording(
             written,
-            position[::stride].copy(),
-            velocity[::stride].copy(),
-            run.angle[::stride].copy(),
-            rolled[::stride].copy(),
-            sensors.channel.read(position, dt, written.time),
+            np.interp(stamps, run.time, position),
+            np.interp(stamps, run.time, velocity),
+            np.interp(stamps, run.time, run.angle),
+            np.interp(stamps, run.time, rolled),
+            sensors.channel.read(position, dt, stamps),
             seed,
         )
 
@@ -188,25 +197,48 @@ class Experiment:
         Raises:
             InputError: the ball does not stay within reach.
         """
+        run, written, _ = self._carried_out(seed)
+        return run, written
+
+    def _carried_out(self, seed: int) -> tuple[Run, Record, FloatArray | None]:
+        """The same with the commands, where there were any."""
         plant, sensors = self.plant(seed, self.acting), self.sensors
         for attempt in range(TRIES):
-            run, written = self._attempt(plant, sensors, seed, attempt)
+            run, written, commands = self._attempt(plant, sensors, seed, attempt)
             gone = (run.position < self.reach[0]) | (run.position > self.reach[1])
             if not gone.any():
-                return run, written
+                return run, written, commands
         advice = "Make the effects weaker, or widen it" if self.closed_loop else "Close the loop, or make it shorter"
         raise InputError(
             f"the ball leaves its reach, {self.reach[0]:g}–{self.reach[1]:g} m, with {TRIES} different moves; "
             f"with the last it leaves at {run.time[gone][0]:.1f} s. {advice}."
         )
 
-    def _attempt(self, plant: Plant, sensors: Sensors, seed: int, attempt: int) -> tuple[Run, Record]:
+    def _attempt(
+        self, plant: Plant, sensors: Sensors, seed: int, attempt: int
+    ) -> tuple[Run, Record, FloatArray | None]:
         generator = np.random.default_rng((seed, 2, attempt))
         start = random_start(generator) if self.start is None else self.start
         controller, protocol = random_controller(generator), random_protocol(generator, start, self.duration)
+        if self.closed_loop and self.imperfections is not None:
+            seen, servo = replace(sensors, laser=_clean(sensors.laser)), self.imperfections.servo(SERVO)
+            seen = replace(seen, rate=self.imperfections.control_rate)
+            run, _, commands = perform_commanded(protocol, plant, servo, controller, seen, seed)
+            return run, self._written(run, commands, seed), commands
         if self.closed_loop:
-            return perform(protocol, plant, SERVO, controller, sensors, seed)
+            return *perform(protocol, plant, SERVO, controller, sensors, seed), None
         known = self.plant(seed, self.declared)
         rehearsal, _ = perform(protocol, known, SERVO, controller, replace(sensors, channel=Sensors().channel), seed)
         run = simulate(plant, rehearsal.shaft_motion, State(start, 0.0), self.duration)
-        return run, record(run, sensors, seed)
+        return run, self._written(run, None, seed), None
+
+    def _written(self, run: Run, commands: FloatArray | None, seed: int) -> Record:
+        """The record of a run that is given."""
+        if self.imperfections is None:
+            return record(run, self.sensors, seed)
+        return imperfect_record(run, commands, self.sensors, self.imperfections, seed)
+
+
+def _clean(laser: Laser) -> Laser:
+    """A sensor of the same range that is good enough to control the ball by."""
+    return replace(laser, noise_near=CLEAN, noise_far=CLEAN, resolution=CLEAN / 3.0)

@@ -167,6 +167,14 @@ def perform(
     Raises:
         ValueError: the readings do not fall on plant steps.
     """
+    run, written, _ = perform_commanded(protocol, plant, servo, controller, sensors, seed)
+    return run, written
+
+
+def perform_commanded(
+    protocol: Protocol, plant: Plant, servo: Servo, controller: Controller, sensors: Sensors, seed: int
+) -> tuple[Run, Record, FloatArray]:
+    """The same as `perform`, and the angle that the controller commanded at each reading, shape (n,) [rad]."""
     stride = sensors.stride(plant.step)
     simulation = Simulation(plant, State(protocol.start, 0.0), protocol.duration)
     simulation.begin()
@@ -178,6 +186,7 @@ def perform(
         protocol.push(times),
         np.full(simulation.time.size, protocol.start),
     )
+    commands = np.empty(instants.size)
     seen = reading = protocol.start
     for number, here in enumerate(instants.tolist()):
         delivered = sensors.channel.delivered(lagged[: here + 1], plant.step, times[number : number + 1])
@@ -186,12 +195,13 @@ def perform(
         velocity = (reading - seen) / (controller.filter_time + 1.0 / sensors.rate)
         seen += velocity / sensors.rate
         command = controller.command(protocol.target(float(times[number])), seen, velocity, float(pushes[number]))
+        commands[number] = command
         period = slice(here, here + stride + 1)
         servo.follow(command, plant.step, *simulation.shaft[:, period])
         simulation.advance(min(here + stride, simulation.time.size - 1))
         sensors.channel.lag(simulation.position[period], lagged[period], plant.step)
     angle = sensors.channel.beside(simulation.shaft[0], plant.step, times)
-    return simulation.run(), Record(times.copy(), sensors.encoder.measure(angle, encoder_noise), position)
+    return simulation.run(), Record(times.copy(), sensors.encoder.measure(angle, encoder_noise), position), commands
 
 
 def recording_text(record: Record) -> str:

@@ -62,6 +62,10 @@ class Laser:
 
     def measure(self, position: FloatArray, generator: np.random.Generator) -> FloatArray:
         """What is read at position s [m], any shape; the same shape, NaN out of range [m]."""
-        noisy = position + self.deviation(position) * generator.standard_normal(np.shape(position))
+        return self.read(position, generator.standard_normal(np.shape(position)))
+
+    def read(self, position: FloatArray, normal: FloatArray) -> FloatArray:
+        """The same with given noise of variance 1, of the shape of `position`."""
+        noisy = position + self.deviation(position) * normal
         inside = (np.asarray(position) >= self.near) & (np.asarray(position) <= self.far)
         return np.where(inside, np.rint(noisy / self.resolution) * self.resolution, np.nan)
