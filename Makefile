@@ -107,7 +107,7 @@ docs: $(INSTALLED) ## write docs/api.md from the docstrings
 	$(BIN)/python docs/make_api.py
 
 .PHONY: calibrate
-calibrate: $(INSTALLED) ## diagnose some 700 simulated rigs blind and tabulate how often that is right (about an hour)
+calibrate: $(INSTALLED) ## diagnose some 800 simulated rigs blind and tabulate how often that is right (some two hours)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
 
 .PHONY: sensitivity

@@ -31,6 +31,7 @@ def run_with_bar(trials: Sequence[Trial], store: Store, *, jobs: int) -> None:
 def _line(row: Row) -> str:
     trial = row.trial
     what = f"{trial.study} {trial.name} {trial.size} #{trial.number} {trial.plant} {trial.encoder}"
+    what += f" {trial.imperfection}" if trial.imperfection else ""
     setting = f" {trial.setting} × {trial.scale:g}" if trial.setting else ""
     names = " + ".join(one.name for one in row.named) or "nothing"
     spline = f" + a spline term of {row.depends_on}" if row.depends_on else ""

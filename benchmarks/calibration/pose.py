@@ -11,11 +11,12 @@ from analytic.effects import ECCENTRIC_PIVOT
 from analytic.models import CUM
 from analytic.rig import Rig
 from benchmarks.calibration.engine_ball import engine_mover
+from benchmarks.calibration.imperfect import kinds
 from benchmarks.calibration.trials import RIG, Trial
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
-from harness.simulator import Experiment, Record, SimulatedRecording, write_case
+from harness.simulator import Experiment, Record, SimulatedRecording, with_imperfections, write_case
 
 # Where the pivot is to be found, the baseline is what CAM is without the α̈ term. CUM as printed has R in the inertia
 # besides, which is a gain of 7 % on everything, and would be found as one.
@@ -41,7 +42,7 @@ def pose(trial: Trial, folder: Path) -> Problem:
 def experiment_of(trial: Trial) -> Experiment:
     """What is recorded; a pivot lies where the rig says it does, and it is the baseline that knows nothing of it."""
     pivot = trial.hidden.get(PIVOT)
-    return Experiment(
+    perfect = Experiment(
         rig=Rig() if pivot is None else Rig(eccentricity=pivot["eccentricity"]),
         declared=trial.declared,
         hidden={name: values for name, values in trial.hidden.items() if name != PIVOT},
@@ -53,6 +54,9 @@ def experiment_of(trial: Trial) -> Experiment:
         play_start=None,
         seed=trial.seed,
     )
+    if not trial.imperfection:
+        return perfect
+    return with_imperfections(perfect, kinds(trial.imperfection, trial.seed), seed=trial.seed)
 
 
 def _spoilt(one: SimulatedRecording, share: float) -> SimulatedRecording:

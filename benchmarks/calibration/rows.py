@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
+from benchmarks.calibration.imperfect import says_drift, says_imperfection
 from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES
@@ -86,10 +87,11 @@ class Row:
 
     @property
     def outcome(self) -> Outcome:
-        """Of what was found against what acts."""
+        """Of what was found against what acts; what names an imperfection of the record is passed over."""
         if self.error is not None:
             return Outcome.FAILED
-        names, truth = {one.name for one in self.named}, set(self.trial.hidden)
+        truth = set(self.trial.hidden)
+        names = {one.name for one in self.named if one.name in truth or not self._says_imperfection(one)}
         if self.trial.unlisted:
             first = STRUCTURES[next(iter(self.trial.unlisted))].depends_on[0]
             if self.depends_on is None:
@@ -97,7 +99,7 @@ class Row:
             if self.depends_on != first:
                 return Outcome.OTHER
             return Outcome.RIGHT if names == truth else Outcome.MORE
-        if self.depends_on is not None:
+        if self.depends_on is not None and not says_drift(self.trial.imperfection, self.trial.seed, self.depends_on):
             return Outcome.UNLISTED
         if names == truth:
             return Outcome.RIGHT
@@ -107,10 +109,31 @@ class Row:
             return Outcome.MORE
         return Outcome.PARTNER if self._declares(names, truth) else Outcome.OTHER
 
+    @property
+    def says_imperfection(self) -> bool:
+        """Whether an imperfection of the record is named as an effect or a spline term."""
+        drift = says_drift(self.trial.imperfection, self.trial.seed, self.depends_on)
+        return drift or any(one.name not in self.trial.hidden and self._says_imperfection(one) for one in self.named)
+
+    @property
+    def false_names(self) -> tuple[str, ...]:
+        """Effects, and a spline term, that are named and neither act nor say what is wrong with the record."""
+        trial = self.trial
+        if self.outcome is Outcome.PARTNER:
+            return ()
+        names = [one.name for one in self.named if one.name not in trial.hidden and not self._says_imperfection(one)]
+        if self.depends_on is not None and not says_drift(trial.imperfection, trial.seed, self.depends_on):
+            names.append(f"spline of {self.depends_on}")
+        return tuple(names)
+
+    def _says_imperfection(self, one: Named) -> bool:
+        values = {key: value for key, (value, _, _) in one.values.items()}
+        return says_imperfection(self.trial.imperfection, self.trial.seed, one.name, values)
+
     def _declares(self, names: set[str], truth: set[str]) -> bool:
         """Whether every effect that is named instead of a true one says that it may be that one."""
         missing = truth - names
-        instead = [one for one in self.named if one.name not in truth]
+        instead = [one for one in self.named if one.name in names - truth]
         return len(missing) == len(instead) == 1 and missing <= set(instead[0].indistinguishable_from)
 
     def intervals(self) -> Iterator[Interval]:

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
-from benchmarks.calibration.rows import Interval, Outcome, Row
+from benchmarks.calibration.imperfect_tables import imperfect_tables
+from benchmarks.calibration.rows import Outcome, Row
 from benchmarks.calibration.sizes import PAIRS, POWER, SCALES, SIZES, UNLISTED_SCALES
+from benchmarks.calibration.statistics import ALL, covered, outcomes, rate
 
-ALL = "all"
 ELSEWHERE = ("several", "spline term", "nothing")
 """Columns of the confusion matrix after those of the effects."""
 
 
-def rate(successes: int, trials: int) -> dict[str, float]:
-    """Rate with its 95 % interval (Wilson, J. Amer. Statist. Assoc. 22, 1927); NaN without trials."""
-    if not trials:
-        return {"rate": math.nan, "low": math.nan, "high": math.nan}
-    interval = binomtest(successes, trials).proportion_ci(method="wilson")
-    return {"rate": successes / trials, "low": float(interval.low), "high": float(interval.high)}
-
-
 def tables(rows: Sequence[Row]) -> dict[str, pd.DataFrame]:
     """Every table by the name of its file; empty tables are left out."""
+    clean = [row for row in rows if not row.trial.imperfection]
     made = {
         "null": null(rows),
         "null_named": null_named(rows),
@@ -34,8 +25,9 @@ def tables(rows: Sequence[Row]) -> dict[str, pd.DataFrame]:
         **{f"confusion_{size}": confusion(rows, size) for size in SIZES},
         "beyond": beyond(rows),
         "power": power(rows),
-        "coverage": coverage(rows),
+        "coverage": coverage(clean),
         "plants": plants(rows),
+        **imperfect_tables(rows),
     }
     return {name: table for name, table in made.items() if len(table)}
 
@@ -72,14 +64,8 @@ def recovery(rows: Iterable[Row]) -> pd.DataFrame:
         for size in SIZES:
             here = [row for row in single if row.trial.size == size and effect in (row.trial.name, ALL)]
             if here:
-                lines.append({"effect": effect, "size": size, **_outcomes(here)})
+                lines.append({"effect": effect, "size": size, **outcomes(here)})
     return pd.DataFrame(lines)
-
-
-def _outcomes(rows: Sequence[Row]) -> dict[str, float]:
-    counts = {str(outcome): sum(row.outcome is outcome for row in rows) for outcome in Outcome}
-    recovered = counts[Outcome.RIGHT] + counts[Outcome.PARTNER]
-    return {"cases": len(rows), **counts, **rate(recovered, len(rows))}
 
 
 def confusion(rows: Iterable[Row], size: str) -> pd.DataFrame:
@@ -114,7 +100,7 @@ def beyond(rows: Iterable[Row]) -> pd.DataFrame:
             here = [row for row in confused if row.trial.name in (names if name == ALL else [name])]
             if here:
                 splines = sum(row.verdict == "unlisted" for row in here)
-                lines.append({"kind": kind, "acts": name, "spline_terms": splines, **_outcomes(here)})
+                lines.append({"kind": kind, "acts": name, "spline_terms": splines, **outcomes(here)})
     return pd.DataFrame(lines)
 
 
@@ -141,17 +127,10 @@ def coverage(rows: Iterable[Row]) -> pd.DataFrame:
     lines = []
     for effect, parameter in keys:
         here = [one for one in found if (one.effect, one.parameter) == (effect, parameter)]
-        lines.append({"effect": effect, "parameter": parameter, **_covered(here)})
+        lines.append({"effect": effect, "parameter": parameter, **covered(here)})
     if found:
-        lines.append({"effect": ALL, "parameter": ALL, **_covered(found)})
+        lines.append({"effect": ALL, "parameter": ALL, **covered(found)})
     return pd.DataFrame(lines)
-
-
-def _covered(intervals: Sequence[Interval]) -> dict[str, float]:
-    covered, z = sum(one.covers for one in intervals), np.array([one.z for one in intervals])
-    finite = z[np.isfinite(z)]
-    z_rms = float(np.sqrt(np.mean(finite**2))) if finite.size else math.nan
-    return {"intervals": len(intervals), "covered": covered, **rate(covered, len(intervals)), "z_rms": z_rms}
 
 
 def plants(rows: Iterable[Row]) -> pd.DataFrame:
@@ -161,8 +140,8 @@ def plants(rows: Iterable[Row]) -> pd.DataFrame:
         sized = [row for row in here if row.trial.factor >= SIZES["middle"] and row.trial.name in SCALES]
         right = sum(row.outcome in (Outcome.RIGHT, Outcome.PARTNER) for row in sized)
         recovered = {f"recovery_{key}": value for key, value in rate(right, len(sized)).items()}
-        covered = _covered([interval for row in here for interval in row.intervals()])
-        return {"cases": len(sized), "recovered": right, **recovered, **covered}
+        intervals = covered([interval for row in here for interval in row.intervals()])
+        return {"cases": len(sized), "recovered": right, **recovered, **intervals}
 
     return _by_plant([row for row in rows if row.trial.study == "confusion"], summary)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from benchmarks.calibration.tables import ALL
+from benchmarks.calibration.statistics import ALL
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,14 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
+from benchmarks.calibration.imperfect import IMPERFECTIONS, names_for
 from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
 from harness.errors import InputError
 from harness.identify.problem.settings import DEFAULT, Settings
 
 Values = dict[str, dict[str, float]]
 
-STUDIES = ("null", "confusion", "power")
+STUDIES = ("null", "confusion", "power", "imperfect")
 NULL_TRIALS, SEEDS = 200, 5  # of the committed tables
 FINE, PAPER = 40_000, 4_096  # counts per turn
 RIG = "virtual_rig"
@@ -39,7 +40,7 @@ class Trial:
     """One blind trial.
 
     Attributes:
-        study: `null`, `confusion` or `power`.
+        study: `null`, `confusion`, `power` or `imperfect`.
         name: of what is hidden; `none`, or names joined by " + ".
         factor: its size over the middle one; 0 where nothing is hidden [1].
         number: counts trials that are alike but for what is drawn.
@@ -50,6 +51,7 @@ class Trial:
         hidden, unlisted, declared: what acts (SI).
         seed: of moves and noise.
         recordings: how many there are.
+        imperfection: kind of what is wrong with the record, or `several`; empty where nothing is.
         setting, scale: a setting of the search, and the factor by which it is changed [1]; empty and 1 where none is.
     """
 
@@ -66,6 +68,7 @@ class Trial:
     declared: Values
     seed: int
     recordings: int = RECORDINGS
+    imperfection: str = ""
     setting: str = ""
     scale: float = 1.0
 
@@ -114,6 +117,8 @@ def plan(
         made += _confusion(seeds)
     if "power" in studies:
         made += _power(seeds)
+    if "imperfect" in studies:
+        made += _imperfect(seeds)
     unknown = set(only) - {trial.name for trial in made}
     if unknown:
         raise InputError(
@@ -145,10 +150,24 @@ def _power(seeds: int) -> Iterator[Trial]:
                 yield _trial("power", (name,), factor, number, fine=(row + column + number) % 2 == 0)
 
 
-def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine: bool) -> Trial:
+def _imperfect(seeds: int) -> Iterator[Trial]:
+    """Every kind of imperfection without a hidden effect, and with one of middle size, the catalogue in turn."""
+    for number in range(seeds):  # outermost, so that a study that is stopped has of every kind
+        for row, kind in enumerate(IMPERFECTIONS):
+            fine = (row + number) % 2 == 0
+            yield _trial("imperfect", (), 0.0, number, fine=fine, imperfection=kind)
+            others = [name for name in SCALES if name not in names_for(kind)]
+            hidden = others[(row + number * len(IMPERFECTIONS)) % len(others)]
+            yield _trial("imperfect", (hidden,), 1.0, number, fine=fine, imperfection=kind)
+
+
+def _trial(
+    study: str, names: Sequence[str], factor: float, number: int, *, fine: bool, imperfection: str = ""
+) -> Trial:
     name = " + ".join(names) or "none"
     # crc32 rather than hash(): the same in every process
-    generator = np.random.default_rng((_SEED, zlib.crc32(f"{study} {name} {factor:g} {number}".encode())))
+    text = f"{study} {name} {factor:g} {number}" + (f" {imperfection}" if imperfection else "")
+    generator = np.random.default_rng((_SEED, zlib.crc32(text.encode())))
     hidden = {each: SCALES[each].drawn(factor, generator) for each in names if each in SCALES}
     unlisted = {each: UNLISTED_SCALES[each].drawn(factor, generator) for each in names if each in UNLISTED_SCALES}
     return Trial(
@@ -156,15 +175,16 @@ def _trial(study: str, names: Sequence[str], factor: float, number: int, *, fine
         name=name,
         factor=factor,
         number=number,
-        plant=PLANTS[number % len(PLANTS)] if all(map(in_engines, hidden)) else RIG,
+        plant=PLANTS[number % len(PLANTS)] if all(map(in_engines, hidden)) and not imperfection else RIG,
         counts=FINE if fine else PAPER,
         noise=round(float(generator.uniform(*_NOISE)), 6),
-        spikes=_SPIKES if generator.uniform() < _SPIKED else 0.0,
+        spikes=_SPIKES if generator.uniform() < _SPIKED and not imperfection else 0.0,
         hidden=hidden,
         unlisted=unlisted,
         declared=_declared(generator, hidden),
         seed=int(generator.integers(2**31)),
         recordings=RECORDINGS if hidden or number % _EVERY else MORE_RECORDINGS,
+        imperfection=imperfection,
     )
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from benchmarks.calibration.publish import publish
 from benchmarks.calibration.rows import Outcome, Row
-from benchmarks.calibration.tables import ALL, rate, tables
+from benchmarks.calibration.statistics import ALL, rate
+from benchmarks.calibration.tables import tables
 from benchmarks.calibration.targets import targets
 from tests.benchmarks.made import SOURCE, committed, named, row, trial
 

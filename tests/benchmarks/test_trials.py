@@ -7,6 +7,7 @@ from collections import Counter
 import pytest
 
 from analytic.effects import CATALOGUE, acting
+from benchmarks.calibration.imperfect import IMPERFECTIONS
 from benchmarks.calibration.pose import experiment_of
 from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, SPREAD, UNLISTED_SCALES
 from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, in_engines, plan
@@ -50,7 +51,11 @@ def test_some_trials_are_long_enough_for_cross_validation() -> None:
     """Record enough windows for cross-validation in a quarter of the null trials, and some of each structure's."""
     windows = {one.spec: one.recordings * int((experiment_of(one).duration - KNOWN) / AHEAD) for one in PLAN}
     long = [one for one in PLAN if windows[one.spec] >= DEFAULT.min_windows]
-    assert Counter(one.study for one in long) == {"null": NULL_TRIALS // 4, "confusion": 2 * len(UNLISTED)}
+    assert Counter(one.study for one in long) == {
+        "null": NULL_TRIALS // 4,
+        "confusion": 2 * len(UNLISTED),
+        "imperfect": 2 * len(IMPERFECTIONS),
+    }
     assert {one.name for one in long} == {"none", *UNLISTED}
     assert {one.plant for one in long if one.study == "null"} == {"virtual_rig", "mujoco", "pybullet"}
 

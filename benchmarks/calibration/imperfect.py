@@ -1,0 +1,67 @@
+"""What a right answer is where nothing is wrong with the ball but something is with its record.
+
+- An effect of the catalogue that says what the imperfection does is a right name, not a false positive: a position
+  that is late, by whatever, is a delay or lag of positive size; a wandering zero is a level that drifts, or, by its
+  mean, a level error, or a force that depends on time.
+- Everything else that is named is a false positive, whatever it may imitate: no force comes from a worn track, a
+  spike, an error of a stamp or coloured noise.
+- `not_identifiable` is no answer: neither right nor false, and counted apart.
+- Naming nothing is right where no effect is hidden: what a record lacks need not be found, only not be taken for
+  physics. Where one is hidden, it has to be named, with or without the imperfection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from analytic.effects import CHANNEL_DELAY, LEVEL_ERROR, POSITION_LAG
+from harness.simulator import KINDS, kinds_of
+
+SEVERAL = "several"
+"""Of the kinds of `harness.simulator.KINDS`, each with probability 1/2."""
+IMPERFECTIONS = (*KINDS, SEVERAL)
+"""What a trial may have."""
+DRIFTS = "time"
+"""Regressor of a spline term that is a wandering zero."""
+
+_LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, "angle_lag"})
+_ZERO = frozenset({LEVEL_ERROR.name, "level_drift"})
+
+NAMED_BY: Mapping[str, frozenset[str]] = {
+    "sensor_lag": _LATE,
+    "dropouts": _LATE,  # a repeated reading is late
+    "commanded_angle": _LATE,
+    "zero_drift": _ZERO,
+}
+"""Effects that say what the imperfection does, whether or not the catalogue has them; by its kind."""
+
+
+def names_for(imperfection: str) -> set[str]:
+    """Effects that may say what the imperfection does: no trial hides one of these beside it."""
+    kinds = KINDS if imperfection == SEVERAL else (imperfection,)
+    return {name for kind in kinds for name in NAMED_BY.get(kind, ())}
+
+
+def says_imperfection(imperfection: str, seed: int, name: str, values: Mapping[str, float]) -> bool:
+    """Whether an effect that was named, with these values, is what is wrong with the record.
+
+    Args:
+        imperfection: of the trial, a kind or `SEVERAL`.
+        seed: of the trial.
+        name: of the effect.
+        values: of its parameters (SI).
+    """
+    right = name in {each for kind in kinds(imperfection, seed) for each in NAMED_BY.get(kind, ())}
+    return right and (name not in _LATE or min(values.values()) > 0.0)
+
+
+def says_drift(imperfection: str, seed: int, depends_on: str | None) -> bool:
+    """Whether a spline term of this regressor is what is wrong with the record."""
+    return depends_on == DRIFTS and "zero_drift" in kinds(imperfection, seed)
+
+
+def kinds(imperfection: str, seed: int) -> tuple[str, ...]:
+    """Kinds of imperfection of a trial."""
+    if not imperfection:
+        return ()
+    return kinds_of(seed) if imperfection == SEVERAL else (imperfection,)
