@@ -8,14 +8,14 @@ The five (none of them is part of this package): a laboratory rig at 10 Hz, a st
   and 1 s), robustly fitted. What the ball really does beyond s̈ = K (α + α₀) is in them too, so that their
   correlation and drift bound the sensor's from above.
 - *Lag*: the delay by two equal first-order lags of α that makes the residuals of windows of 2 s (10 Hz: 5 s) smallest:
-  0.00 s (teaching rig), 0.06, 0.12, 0.15, 0.25 s. Which part of it is the servo's and which the sensor's cannot be
-  told from these; two rigs record a command, and theirs are 0.12 and 0.25 s. The upper end of the sensor's is what the
-  0.06 s of a rig that records an encoder leave to it.
+  0.00 s (teaching rig), 0.06, 0.12, 0.15 (weakly determined), 0.25 s. Which part of it is the servo's and which the
+  sensor's cannot be told from these; two rigs record a command, and theirs are 0.12 and 0.25 s. The upper end of the
+  sensor's is what the 0.06 s of a rig that records an encoder leave to it.
 - *Noise*: robust standard deviation of second differences, 0.17, 0.9, 2.0, 3.7, 8 mm; the steps in the records are
   0.05 to 1.7 mm. Autocorrelation of the residuals at one step: −0.1 to 0.1 at 20 and 5 ms, 0.28 at 53 ms, 0.35 at
   0.1 s, 0.84 at 10 ms; e^(−Δt/τ) gives τ = 40 to 95 ms where there is any.
 - *Spikes*: 2.9 % of the oscilloscope's residuals lie beyond four standard deviations to one side, 33 to 64 mm, and
-  0.1 % to the other side. The four others have no spikes.
+  0.1 % to the other side. None of the others has outliers to one side only.
 - *Repeats*: 25 % of the oscilloscope's positions repeat the one before, in runs of up to 13, where independent noise
   of its size rounded to its steps repeats 6 %; with the others rounding explains what there is. None of the five has
   blank positions: their share here is an assumption.
