@@ -11,7 +11,7 @@ from analytic.effects.catalogue import (
     sensor_with,
     transmission_with,
 )
-from analytic.effects.drive import ANGLE_GAIN, LINKAGE_BACKLASH
+from analytic.effects.drive import ANGLE_GAIN, ANGLE_LAG, LINKAGE_BACKLASH
 from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission
 from analytic.effects.force import EffectError, Force
 from analytic.effects.parameter import Parameter
@@ -29,6 +29,7 @@ from analytic.effects.track import BEAM_COMPLIANCE, LEVEL_ERROR, TRACK_BUMP, TRA
 
 __all__ = [
     "ANGLE_GAIN",
+    "ANGLE_LAG",
     "BALL_IMBALANCE",
     "BEAM_COMPLIANCE",
     "CATALOGUE",

@@ -1,4 +1,4 @@
-"""Effects between the measured angle and the beam's: a gain error and backlash."""
+"""Effects between the measured angle and the beam's: a gain error, backlash, a lag."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from analytic.compiled import njit
 from analytic.effects.effect import Effect, Relations, Transmission
+from analytic.effects.following import lagged
 from analytic.effects.parameter import Parameter
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
@@ -93,5 +94,15 @@ LINKAGE_BACKLASH = Effect(
     transmission=lambda values: Transmission(play=values["width"]),
     phrase="a linkage backlash of {width}",
 )
+ANGLE_LAG = Effect(
+    "angle_lag",
+    "the beam follows the recorded angle, or command, as T β̇ + β = α",
+    # behind a lag that is longer than a move along the beam takes, some 1 s, the beam hardly turns
+    (Parameter("time_constant", "s", 0.0, 1.0, 0.05, starts=(0.02,), strength=True, shown=("ms", 1e3)),),
+    "first-order low pass",
+    turn=lambda motion, stamps, values: lagged(motion, stamps, values["time_constant"]),
+    phrase="a lag of {time_constant} of the beam behind the recorded angle",
+    relations=Relations(once=True),
+)
 
-DRIVE = (ANGLE_GAIN, LINKAGE_BACKLASH)
+DRIVE = (ANGLE_GAIN, LINKAGE_BACKLASH, ANGLE_LAG)

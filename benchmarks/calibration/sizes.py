@@ -9,6 +9,7 @@ import numpy as np
 
 from analytic.effects import (
     ANGLE_GAIN,
+    ANGLE_LAG,
     BALL_IMBALANCE,
     BEAM_COMPLIANCE,
     CATALOGUE,
@@ -96,6 +97,7 @@ _OWN: Mapping[str, Scale] = {
     ANGLE_GAIN.name: Scale(middle={"gain": 1.05}, neutral=1.0, signed=True),
     # the jolt of a gap that closes throws the ball off an engine's edges
     LINKAGE_BACKLASH.name: Scale(middle={"width": 0.0087}, engines=False),
+    ANGLE_LAG.name: Scale(middle={"time_constant": 0.08}),
     CHANNEL_DELAY.name: Scale(middle={"delay": 0.05}, signed=True),
     POSITION_GAIN.name: Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
     POSITION_LAG.name: Scale(middle={"time_constant": 0.04}),

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from analytic.effects import (
+    ANGLE_LAG,
     CATALOGUE,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
@@ -98,7 +99,7 @@ _ORDERED = {
     STRIBECK_FRICTION.name: ("kinetic_coefficient", "static_coefficient"),
 }
 """Parameters of which the first may not exceed the second."""
-_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP)
+_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP, ANGLE_LAG)
 """What is no field of `Laws` but of `Plant`."""
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.effects import (
+    ANGLE_LAG,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
     LEVEL_ERROR,
@@ -25,6 +26,7 @@ from analytic.rig import Rig
 from harness.simulator.contact import FORCE_SIGNATURE, AppliedForce, Ball, Beam, Constants
 from harness.simulator.effect_force import force_with
 from harness.simulator.effects import Effects, checked, listed
+from harness.simulator.follower import Follower
 from harness.simulator.laws import Laws
 from harness.simulator.linkage import Linkage
 from harness.simulator.stepping import COLUMNS, advance, describe
@@ -54,6 +56,7 @@ class Plant:
         friction: μ between ball and edge, Coulomb, set-valued [1]; steel on aluminium by default.
         laws: what else acts on the ball.
         linkage: what lies between the measured angle and the beam.
+        follower: how the beam follows what the linkage asks of it.
         force: extra force on the ball along the beam, a plain function that numba can compile, or `None`.
         step: time step [s]; the default is good to 0.1 µm over 14 s, stops and starts included.
 
@@ -66,6 +69,7 @@ class Plant:
     friction: float = 0.35
     laws: Laws = Laws()  # noqa: RUF009, immutable
     linkage: Linkage = field(default_factory=Linkage)
+    follower: Follower = field(default_factory=Follower)
     force: AppliedForce | None = None
     step: float = 1e-4
 
@@ -114,6 +118,7 @@ class Plant:
                 width=self.linkage.width + transmission.play,
                 play_start=play_start,
             ),
+            follower=Follower(lag=self.follower.lag + value(ANGLE_LAG, 0.0)),
             force=force_with(self.force, acting, turned_before),
         )
 
@@ -223,7 +228,8 @@ class Simulation:
         self._rows = np.empty((steps + 1, len(COLUMNS)))
         self.time: FloatArray = np.arange(steps + 1, dtype=np.float64) * plant.step
         self.shaft: FloatArray = np.zeros((3, steps + 1))
-        self.beam: FloatArray = self.shaft if plant.linkage.rigid else np.zeros((3, steps + 1))
+        self._asked: FloatArray = self.shaft if plant.linkage.rigid else np.zeros((3, steps + 1))
+        self.beam: FloatArray = self._asked if plant.follower.rigid else np.zeros((3, steps + 1))
 
     def begin(self) -> None:
         """Put the ball onto the beam as it is at the first instant."""
@@ -253,7 +259,11 @@ class Simulation:
     def _transmit(self, first: int, last: int) -> None:
         if not self._plant.linkage.rigid:
             instants = slice(first, last + 1)
-            self._carried = self._plant.linkage.transmit(self._carried, self.shaft[:, instants], self.beam[:, instants])
+            self._carried = self._plant.linkage.transmit(
+                self._carried, self.shaft[:, instants], self._asked[:, instants]
+            )
+        if not self._plant.follower.rigid:
+            self._plant.follower.follow(self._asked, self.beam, self._plant.step, first, last)
 
     @property
     def position(self) -> FloatArray:

@@ -10,6 +10,7 @@ from analytic.effects import (
     Acting,
     Effect,
     acting,
+    motion_with,
     parameters_with,
     rig_with,
     sensor_with,
@@ -17,13 +18,15 @@ from analytic.effects import (
 )
 from analytic.law import acceleration, dry_limit, normal_force
 from analytic.models import CAM
-from analytic.motion import FloatArray
+from analytic.motion import FloatArray, beam_states
 from analytic.rig import Rig
 from analytic.slots import DAHL, ORIGIN, TRACTION
 from analytic.step import dahl_limit
+from tests.motions import Sines
 
 RIG = Rig()
 NOTHING: list[Acting] = []
+TURNING = np.linspace(0.0, 3.0, 301)  # stamps of a beam that turns [s]
 # s [m], ṡ [m/s], α [rad], α̇ [rad/s], α̈ [rad/s²]: resting, rolling either way, the beam turning either way
 STATES = [
     (s, v, angle, rate, angular)
@@ -34,7 +37,7 @@ STATES = [
 
 
 def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> FloatArray:
-    """All that effects do to ball and sensor: acceleration, both frictions, slip, Dahl friction, gains, delays."""
+    """All that effects do to beam, ball and sensor: its motion, acceleration, frictions, slip, gains, delays."""
     p = parameters_with(CAM, RIG, effects, phase=0.4)
     p[ORIGIN] = 0.2
     gains, sensor = transmission_with(effects), sensor_with(effects)
@@ -44,7 +47,8 @@ def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> Flo
         (acceleration(*at, p), *(dry_limit(at[0], at[1], towards, *at[2:], p) for towards in (1.0, -1.0)))
         for at in states
     ]
-    return np.array([*fixed, *np.ravel(laws)])
+    beam = beam_states(motion_with(Sines(), TURNING, effects), TURNING)
+    return np.array([*fixed, *np.ravel(laws), *np.ravel(beam)])
 
 
 def at(effect: Effect, **changed: float) -> list[Acting]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from analytic.motion import State
+from analytic.quintic import QuinticMotion
 from harness.identify.design.choose import RivalPair
 from harness.identify.design.proposal import NOTHING, Proposal
 from harness.identify.estimate.fit import Fit, fit
@@ -17,7 +18,6 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.preparation.recordings import observe
 from harness.recording import Case, load_case, load_recording
-from harness.signals.drive import QuinticMotion
 from harness.simulator import Experiment, write_case
 from harness.simulator.plant import Run, simulate
 from harness.simulator.protocol import record, recording_text

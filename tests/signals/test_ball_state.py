@@ -7,9 +7,10 @@ import pytest
 from analytic.kernel import simulate
 from analytic.models import CAM, Model, Reading
 from analytic.motion import FloatArray, State
+from analytic.quintic import QuinticMotion
 from analytic.rig import Rig
 from harness.signals.ball_state import BallEstimate, estimate_ball
-from harness.signals.drive import QuinticMotion, make_drive
+from harness.signals.drive import make_drive
 from tests.shared_data import SHARED
 from tests.signals.known_angles import rms, servo_angle
 

@@ -31,6 +31,7 @@ PUBLISHED = {
     "contact_slip": ["friction_coefficient"],
     "angle_gain": ["gain"],
     "linkage_backlash": ["width"],
+    "angle_lag": ["time_constant"],
     "beam_compliance": ["compliance"],
     "channel_delay": ["delay"],
     "position_gain": ["gain"],

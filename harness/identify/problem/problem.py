@@ -64,7 +64,7 @@ class PreparedRecording:
         delay = sensor_with(effects).delay
         if delay == 0.0 and all(term.effect.turn is None and term.effect.transmission is None for term in effects):
             return self.table
-        motion = motion_with(self.drive, self.time, effects)
+        motion = motion_with(self.drive, self.drive.time, effects)  # a half of a recording began with the whole
         if delay != 0.0:
             motion = DelayedMotion(motion, delay, float(self.time[0]), float(self.time[-1]))
         return self.grid.tabulate(motion)

@@ -1,0 +1,111 @@
+"""Beam motions that follow a measured one with a first-order lag."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from analytic.compiled import njit
+from analytic.motion import BeamMotion, FloatArray
+from analytic.quintic import QuinticMotion, through
+
+_LEAST = 1e-6  # of a lag [s]: at 1 rad/s below any encoder's count, and far from where rounding matters
+_DEGREE = 5  # of the motion between stamps
+
+
+@dataclass(frozen=True)
+class LaggedMotion:
+    """T β̇ + β = α behind a motion of quintics, solved exactly; outside the stamps it keeps its values at their ends.
+
+    Between two stamps β = Σ (−T)^j α^(j) + C exp(−(t − t_k)/T): what follows the quintic in the long run, and what is
+    left of the pieces before. At the first stamp β̈ = 0 and β̇ = α̇: the beam has settled behind a motion at that rate.
+
+    Attributes:
+        base: α.
+        constant: T [s].
+    """
+
+    base: QuinticMotion
+    constant: float
+
+    @cached_property
+    def _settled(self) -> PPoly:
+        """Σ (−T)^j α^(j) of each piece."""
+        c = self.base.spline.c
+        settled = np.array(c)
+        for power in range(_DEGREE + 1):  # of t − t_k in the term to which derivatives of higher powers contribute
+            for order in range(1, _DEGREE - power + 1):
+                factor = factorial(power + order) / factorial(power) * (-self.constant) ** order
+                settled[_DEGREE - power] += factor * c[_DEGREE - power - order]
+        return PPoly(settled, self.base.time)
+
+    @cached_property
+    def _left(self) -> FloatArray:
+        """C of each piece, shape (n − 1,) [rad]."""
+        gaps = np.diff(self.base.time)
+        c, T = self._settled.c, self.constant
+        # β, β̇ and β̈ are continuous: what the settled motions of two pieces differ by at their stamp is left over.
+        ends = np.polyval(c, gaps)
+        jumps = np.concatenate(([-2.0 * T**2 * c[_DEGREE - 2, 0]], ends[:-1] - c[_DEGREE, 1:]))
+        left = np.empty(len(gaps))
+        _fade(jumps, np.exp(-gaps / T), left)
+        return left
+
+    def _at(self, time: FloatArray, order: int) -> FloatArray:
+        asked = np.atleast_1d(np.asarray(time, np.float64))
+        out = np.empty(asked.size)
+        settled = self._settled.derivative(order) if order else self._settled
+        scale = (-1.0 / self.constant) ** order
+        _follow(self.base.time, settled.c, self._left, self.constant, scale, asked.ravel(), out)
+        return out.reshape(np.shape(time))
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """β [rad] at `time` [s], same shape."""
+        return self._at(time, 0)
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """β̇ [rad/s] or β̈ [rad/s²] at `time` [s], same shape."""
+        return self._at(time, order)
+
+
+@njit(cache=True)
+def _follow(
+    stamps: FloatArray,
+    settled: FloatArray,
+    left: FloatArray,
+    constant: float,
+    scale: float,
+    time: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Fill `out`, shape (k,), with what the polynomials `settled`, shape (degree + 1, n − 1), have at `time`, shape
+    (k,) [s], and `scale` times the rest of `left`, shape (n − 1,), that has not faded yet."""
+    piece, last = 0, len(left) - 1
+    for i in range(len(time)):
+        t = min(max(time[i], stamps[0]), stamps[-1])
+        if t < stamps[piece] or t >= stamps[min(piece + 2, last + 1)]:
+            piece = min(max(np.searchsorted(stamps, t, side="right") - 1, 0), last)
+        elif piece < last and t >= stamps[piece + 1]:
+            piece += 1
+        t -= stamps[piece]
+        value = 0.0
+        for row in range(settled.shape[0]):
+            value = value * t + settled[row, piece]
+        out[i] = value + scale * left[piece] * np.exp(-t / constant)
+
+
+@njit(cache=True)
+def _fade(jumps: FloatArray, rests: FloatArray, left: FloatArray) -> None:
+    """Fill `left`, shape (n,): each is what is left of the one before, by the factor `rests`, and its jump."""
+    left[0] = jumps[0]
+    for n in range(1, len(left)):
+        left[n] = left[n - 1] * rests[n - 1] + jumps[n]
+
+
+def lagged(motion: BeamMotion, stamps: FloatArray, constant: float) -> BeamMotion:
+    """The motion of a beam that follows `motion`, taken at `stamps`, shape (n,) [s], with the lag `constant` [s]."""
+    return motion if constant < _LEAST else LaggedMotion(through(motion, stamps), constant)

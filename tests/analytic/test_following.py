@@ -1,0 +1,87 @@
+"""What follows a motion of quintics obeys its law to rounding, at stamps and between them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytic.effects import acting, motion_with
+from analytic.motion import BeamMotion, FloatArray
+from analytic.quintic import QuinticMotion, through
+from tests.motions import Sines
+
+STAMPS = np.concatenate((np.linspace(0.0, 2.0, 101), 2.0 + np.cumsum(np.tile([0.005, 0.03, 0.011], 40))))
+FINE = np.linspace(STAMPS[0], STAMPS[-1], 20_001)
+# α̈ scatters as that of a drive behind a coarse encoder does: its derivative jumps by some 100 rad/s³ at the stamps.
+_BENT = np.random.default_rng(1).normal(0.0, 0.5, len(STAMPS))
+_RATE = np.cumsum(np.append(0.02, 0.5 * np.diff(STAMPS) * (_BENT[1:] + _BENT[:-1])))
+_ANGLE = np.cumsum(np.append(0.01, 0.5 * np.diff(STAMPS) * (_RATE[1:] + _RATE[:-1])))
+ROUGH = QuinticMotion(STAMPS, np.column_stack((_ANGLE, _RATE, _BENT)))
+
+
+def lagging(constant: float, motion: BeamMotion = ROUGH) -> BeamMotion:
+    """The motion behind a lag."""
+    return motion_with(motion, STAMPS, [acting("angle_lag", {"time_constant": constant})])
+
+
+def rounding(constant: float) -> float:
+    """What is left where the terms T^j α^(j) cancel, each rounded, also in what is left of all pieces before [rad]."""
+    terms = [constant**j * np.max(np.abs(ROUGH.spline(FINE, j))) for j in range(6)]
+    return float(8.0 * np.finfo(float).eps * max(terms) * (1.0 + constant / 0.005))
+
+
+def integrated(time: FloatArray, rate: FloatArray) -> FloatArray:
+    """∫ of `rate` over `time` from its start on, by trapezoids, same shape."""
+    return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(time) * (rate[1:] + rate[:-1]))))
+
+
+@pytest.mark.parametrize("constant", [0.002, 0.05, 0.3, 1.0])
+def test_a_lagging_beam_obeys_its_equation(constant: float) -> None:
+    """Fulfil T β̇ + β = α and its derivative everywhere, with β̇ and β̈ that are derivatives of β."""
+    beam = lagging(constant)
+    angle, rate, bent = beam.evaluate(FINE), beam.derivative(FINE), beam.derivative(FINE, 2)
+    bound = rounding(constant)
+    np.testing.assert_allclose(constant * rate + angle, ROUGH.evaluate(FINE), rtol=0.0, atol=bound)
+    np.testing.assert_allclose(constant * bent + rate, ROUGH.derivative(FINE), rtol=0.0, atol=bound / constant)
+    # Trapezoids of h leave h²/12 of the change of the slope, added up over all changes.
+    varies = np.sum(np.abs(np.diff(bent)))
+    limit = (FINE[1] - FINE[0]) ** 2 / 12.0 * varies + bound
+    assert np.max(np.abs(integrated(FINE, rate) - (angle - angle[0]))) < limit
+
+
+def test_a_lagging_beam_has_settled_before_it_begins() -> None:
+    """Begin where it would be had the beam always turned at the rate of the first stamp: late by T."""
+    beam, first, bound = lagging(0.2), STAMPS[:1], rounding(0.2)
+    assert beam.evaluate(first)[0] == pytest.approx(ROUGH.states[0, 0] - 0.2 * ROUGH.states[0, 1], abs=bound)
+    assert beam.derivative(first)[0] == pytest.approx(ROUGH.states[0, 1], abs=bound / 0.2)
+    assert beam.derivative(first, 2)[0] == pytest.approx(0.0, abs=bound / 0.2**2)
+    np.testing.assert_array_equal(beam.evaluate(np.array([-1.0, 99.0])), beam.evaluate(STAMPS[[0, -1]]))
+
+
+def test_a_lag_of_a_sine_is_known() -> None:
+    """Answer sin ω t by (sin ω t − ω T cos ω t)/(1 + ω² T²) once what it began with has faded."""
+    constant, omega = 0.1, 4.0
+    beam = lagging(constant, Sines(((0.05, omega, 0.0),)))
+    late = FINE[FINE > 3.0]
+    follows = np.sin(omega * late) - omega * constant * np.cos(omega * late)
+    # quintics through stamps up to 0.03 s apart: 0.03⁶/46080 of ω⁶ 0.05 rad, 3e-12; exp(−30) of the start, 1e-15
+    expected = 0.05 * follows / (1.0 + (omega * constant) ** 2)
+    np.testing.assert_allclose(beam.evaluate(late), expected, rtol=0.0, atol=4e-12)
+
+
+def test_no_lag_changes_nothing() -> None:
+    """Be the motion itself without a lag, and with one of two microseconds the motion that much earlier."""
+    assert lagging(0.0) is ROUGH
+    late = lagging(2e-6).evaluate(FINE) - ROUGH.evaluate(FINE)
+    assert np.max(np.abs(late)) < 2.001e-6 * np.max(np.abs(ROUGH.derivative(FINE)))
+
+
+def test_a_motion_of_quintics_is_taken_as_it_is() -> None:
+    """Take quintics between the same stamps for themselves, and run through the states of any other motion."""
+    assert through(ROUGH, STAMPS) is ROUGH
+    other = through(Sines(), STAMPS)
+    np.testing.assert_array_equal(other.states[:, 0], Sines().evaluate(STAMPS))
+    # 0.03⁴/384 of the sixth derivative
+    np.testing.assert_allclose(other.derivative(FINE, 2), Sines().derivative(FINE, 2), rtol=0.0, atol=1e-7)
+    # trapezoids of 0.2 ms of 0.05 rad at some 3 rad/s: h² ω²/12
+    np.testing.assert_allclose(other.integral(FINE), integrated(FINE, other.evaluate(FINE)), rtol=0.0, atol=1e-8)
