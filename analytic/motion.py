@@ -90,6 +90,23 @@ class DelayedMotion:
 
 
 @dataclass(frozen=True)
+class TiltingMotion:
+    """Another beam motion on a rig that tilts as a whole, from level at `begin` [s] on by `rate` [rad/s]."""
+
+    base: BeamMotion
+    rate: float
+    begin: float
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """α [rad] at `time` [s], same shape."""
+        return self.base.evaluate(time) + self.rate * (time - self.begin)
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
+        return self.base.derivative(time, order) + (self.rate if order == 1 else 0.0)
+
+
+@dataclass(frozen=True)
 class State:
     """State of the ball on the beam: position s [m] and velocity ṡ [m/s]."""
 

@@ -25,6 +25,7 @@ EFFECTS = {
     "track_curvature": {"curvature": 0.06, "centre": 0.33},
     "track_bump": {"height": 3e-4, "centre": 0.45, "width": 0.03},
     "beam_compliance": {"compliance": 0.005},
+    "level_drift": {"rate": 5e-4},
     "rolling_radius": {"radius": 0.0105},
     "contact_slip": {"friction_coefficient": 0.012},
 }
@@ -36,8 +37,9 @@ def test_kernel_moves_the_ball_as_the_plant_does(name: str) -> None:
     values = EFFECTS[name]
     truth = simulate(Plant(step=5e-5).with_effects({name: values}), MOTION, State(0.36, 0.0), 10.0)
     grid = Grid.over(TIME)
-    vector = parameters_with(CAM, RIG, [acting(name, values)])
-    position = integrate(grid, grid.tabulate(MOTION), vector, np.array([[0.36, 0.0]])).position[0]
+    effects = [acting(name, values)]
+    vector, beam = parameters_with(CAM, RIG, effects), motion_with(MOTION, TIME, effects)
+    position = integrate(grid, grid.tabulate(beam), vector, np.array([[0.36, 0.0]])).position[0]
     # The kernel's step of 2.5 ms leaves K c g h²/2 ≈ 8e-8 m/s at each of some ten stops, and Dahl's spring of 22 rad/s
     # (ω h)²/24 of a stretch of 40 µm at each reversal: 1 and 10 µm after 10 s.
     bound = 2e-5 if name == "presliding_hysteresis" else 3e-6

@@ -25,7 +25,7 @@ from analytic.effects.resistance import (
 )
 from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG
 from analytic.effects.sensor_law import SensorLaw
-from analytic.effects.track import BEAM_COMPLIANCE, LEVEL_ERROR, TRACK_BUMP, TRACK_CURVATURE
+from analytic.effects.track import BEAM_COMPLIANCE, LEVEL_DRIFT, LEVEL_ERROR, TRACK_BUMP, TRACK_CURVATURE
 
 __all__ = [
     "ANGLE_GAIN",
@@ -37,6 +37,7 @@ __all__ = [
     "CONTACT_SLIP",
     "DIRECTIONAL_RESISTANCE",
     "ECCENTRIC_PIVOT",
+    "LEVEL_DRIFT",
     "LEVEL_ERROR",
     "LINKAGE_BACKLASH",
     "POSITION_GAIN",

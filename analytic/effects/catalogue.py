@@ -19,7 +19,7 @@ from analytic.effects.sensor import SENSOR
 from analytic.effects.sensor_law import SensorLaw
 from analytic.effects.track import TRACK
 from analytic.models import Model, coefficients
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import BeamMotion, FloatArray, TiltingMotion
 from analytic.naming import did_you_mean
 from analytic.rig import Rig
 
@@ -116,13 +116,19 @@ def transmission_with(effects: Iterable[Acting]) -> Transmission:
 
 
 def motion_with(motion: BeamMotion, stamps: FloatArray, effects: Iterable[Acting]) -> BeamMotion:
-    """The beam's motion when `effects` act between it and the measured one; `stamps`, shape (n,) [s]."""
+    """The beam's motion when `effects` act between it and the measured one; `stamps`, shape (n,) [s].
+
+    The rig tilts with all of that.
+    """
+    tilting = 0.0
     for one in effects:
         if one.effect.transmission is not None:
             motion = transmitted(motion, stamps, one.effect.transmission(one.values))
         if one.effect.turn is not None:
             motion = one.effect.turn(motion, stamps, one.values)
-    return motion
+        if one.effect.tilting is not None:
+            tilting += one.effect.tilting(one.values)
+    return TiltingMotion(motion, tilting, float(stamps[0])) if tilting else motion
 
 
 def sensor_with(effects: Iterable[Acting]) -> SensorLaw:

@@ -101,6 +101,7 @@ class Effect:
         alter: changes a quantity of the rig.
         transmission: gain and play between measured angle and beam.
         turn: changes the beam's motion in any other way, which moves in closed loop do not foresee.
+        tilting: rate at which the whole rig tilts from the start of a recording on [rad/s].
         sensor: gain, lag and delay of what is recorded of the position.
         dry: whether it is a set-valued friction, which needs the ball's stop within a step.
         turning: whether it matters how the ball lies at the start, φ₀, which then is free in each recording.
@@ -119,6 +120,7 @@ class Effect:
     write: Write | None = None
     alter: Alter | None = None
     turn: Turn | None = None
+    tilting: Callable[[Values], float] | None = None
     dry: bool = False
     force: Force | None = None
     transmission: Callable[[Values], Transmission] | None = None
@@ -136,7 +138,7 @@ class Effect:
             raise EffectError(f"{self.name}: give it parameters, each name once")
         if not (self.law and self.source):
             raise EffectError(f"{self.name}: say its law in a line, and where that comes from")
-        if not any((self.write, self.alter, self.turn, self.transmission, self.sensor, self.force)):
+        if not any((self.write, self.alter, self.moves_beam, self.sensor, self.force)):
             raise EffectError(
                 f"{self.name}: does nothing; give it a force, or alter, turn, transmission, sensor or write"
             )
@@ -146,6 +148,11 @@ class Effect:
         """Names of the parameters with which it vanishes; of a force the first, if none says so."""
         named = frozenset(parameter.name for parameter in self.parameters if parameter.strength)
         return named or frozenset([self.parameters[0].name] if self.force is not None else ())
+
+    @property
+    def moves_beam(self) -> bool:
+        """Whether the beam's motion is another one than the measured."""
+        return any((self.transmission, self.turn, self.tilting))
 
     @property
     def pushes(self) -> bool:
@@ -159,7 +166,7 @@ class Effect:
             return self.engine.words
         if self.alter is not None:
             return "the scene's geometry"
-        if self.transmission is not None or self.turn is not None:
+        if self.moves_beam:
             return "angle of the driven beam"
         return "force on the ball" if self.sensor is None else "sensor side: what is recorded of the position"
 

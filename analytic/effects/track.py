@@ -1,4 +1,4 @@
-"""What tilts the track where the recorded angle does not: level, curvature, a bump, a beam that bends."""
+"""What tilts the track where the recorded angle does not: level, its drift, curvature, a bump, a beam that bends."""
 
 from __future__ import annotations
 
@@ -38,6 +38,26 @@ LEVEL_ERROR = Effect(
     phrase="a level error of {angle}",
     relations=Relations(stands_for="level", nested_in=_OF_POSITION),
     engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
+)
+LEVEL_DRIFT = Effect(
+    "level_drift",
+    "the whole rig tilts by rate · t, t from the start of a recording on",
+    (
+        Parameter(
+            "rate",
+            "rad/s",
+            -0.02,
+            0.02,
+            5e-4,
+            starts=(0.0,),
+            strength=True,
+            shown=("°/min", 60.0 * float(np.degrees(1.0))),
+        ),
+    ),
+    "geometry: a support that gives way, or warms up",
+    tilting=lambda values: values["rate"],
+    phrase="a level that drifts by {rate} in each recording",
+    relations=Relations(nested_in=(("time", False),)),
 )
 BEAM_COMPLIANCE = Effect(
     "beam_compliance",
@@ -87,4 +107,4 @@ TRACK_BUMP = Effect(
     relations=Relations(once=True, nested_in=_OF_POSITION),
 )
 
-TRACK = (LEVEL_ERROR, TRACK_CURVATURE, TRACK_BUMP, BEAM_COMPLIANCE)
+TRACK = (LEVEL_ERROR, LEVEL_DRIFT, TRACK_CURVATURE, TRACK_BUMP, BEAM_COMPLIANCE)

@@ -17,6 +17,7 @@ from analytic.effects import (
     CONTACT_SLIP,
     DIRECTIONAL_RESISTANCE,
     ECCENTRIC_PIVOT,
+    LEVEL_DRIFT,
     LEVEL_ERROR,
     LINKAGE_BACKLASH,
     POSITION_GAIN,
@@ -84,6 +85,7 @@ _OWN: Mapping[str, Scale] = {
     ),
     PRESLIDING_HYSTERESIS.name: Scale(middle={"coefficient": 0.004}, fixed={"stiffness": (15.0, 50.0)}),
     LEVEL_ERROR.name: Scale(middle={"angle": 0.005}, signed=True),
+    LEVEL_DRIFT.name: Scale(middle={"rate": 5e-4}, signed=True),
     TRACK_CURVATURE.name: Scale(middle={"curvature": 0.06}, fixed={"centre": _AMID}, signed=True),
     TRACK_BUMP.name: Scale(middle={"height": 2e-4}, fixed={"centre": _AMID, "width": (0.015, 0.025)}, signed=True),
     BEAM_COMPLIANCE.name: Scale(middle={"compliance": 0.02}),
@@ -133,7 +135,7 @@ SCALES = _Scales()
 
 UNLISTED_SCALES: Mapping[str, Scale] = {
     "gust": Scale(middle={"force": 0.008}, fixed={"start": (3.0, 6.0), "end": (8.0, 13.0)}, signed=True),
-    "drifting_force": Scale(middle={"rate": 0.0006}, signed=True),
+    "settling_force": Scale(middle={"force": 0.008}, fixed={"time_constant": (2.0, 3.0)}, signed=True),
     "fading_resistance": Scale(middle={"coefficient": 0.006}, fixed={"time_constant": (4.0, 6.0)}),
     "rough_patch": Scale(middle={"coefficient": 0.01}, fixed={"start": (0.28, 0.31), "end": (0.33, 0.36)}),
     "force_hill": Scale(middle={"force": 0.01}, fixed={"start": (0.27, 0.30), "end": (0.34, 0.37)}, signed=True),

@@ -78,7 +78,7 @@ def _checked(file: Path, effect: Effect) -> Effect:
     """The same effect, whose errors are told with their place; its force has been computed all over its bounds."""
     guarded: dict[str, Any] = {
         name: _guarded(file, effect.name, getattr(effect, name))
-        for name in ("write", "alter", "turn", "transmission", "sensor")
+        for name in ("write", "alter", "turn", "tilting", "transmission", "sensor")
         if getattr(effect, name) is not None
     }
     typical = {one.name: one.typical for one in effect.parameters}

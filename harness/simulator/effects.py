@@ -14,6 +14,7 @@ from analytic.effects import (
     CATALOGUE,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
+    LEVEL_DRIFT,
     LEVEL_ERROR,
     ROLLING_RESISTANCE,
     STRIBECK_FRICTION,
@@ -56,7 +57,7 @@ _INSTANT = Limits("s", -1e6, 1e6)
 
 UNLISTED: Mapping[str, Entry] = {
     "gust": Entry("F from one instant to another", {"force": _FORCE, "start": _INSTANT, "end": _INSTANT}, ("time",)),
-    "drifting_force": Entry("F = q t", {"rate": Limits("N/s", -0.1, 0.1)}, ("time",)),
+    "settling_force": Entry("F (1 − exp(−t/τ))", {"force": _FORCE, "time_constant": Limits("s", 1e-2, 1e6)}, ("time",)),
     "fading_resistance": Entry(
         "|F| <= c exp(−t/τ) N against rolling, set-valued",
         {"coefficient": _NUMBER, "time_constant": Limits("s", 1e-2, 1e6)},
@@ -99,7 +100,7 @@ _ORDERED = {
     STRIBECK_FRICTION.name: ("kinetic_coefficient", "static_coefficient"),
 }
 """Parameters of which the first may not exceed the second."""
-_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP, ANGLE_LAG)
+_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP, ANGLE_LAG, LEVEL_DRIFT)
 """What is no field of `Laws` but of `Plant`."""
 
 
@@ -138,7 +139,7 @@ def listed(effects: Effects) -> tuple[Acting, ...]:
 def _refuse_without_law(one: Acting) -> None:
     """Refuse an effect that is described only by what it does to the model's equation or to a given motion."""
     own = one.effect in _OF_THE_PLANT or all(f"{one.effect.name}_{name}" in Laws._fields for name in one.values)
-    if not own and (one.effect.write is not None or one.effect.turn is not None):
+    if not own and (any((one.effect.write, one.effect.turn, one.effect.tilting))):
         raise EffectError(
             f"the virtual rig has no law of its own for {one.effect.name}; of others it takes forces, and "
             "changes of the rig, the transmission or the sensor."

@@ -28,7 +28,8 @@ class Laws(NamedTuple):
     gust_force: float = 0.0
     gust_start: float = 0.0
     gust_end: float = 0.0
-    drifting_force_rate: float = 0.0
+    settling_force_force: float = 0.0
+    settling_force_time_constant: float = 1.0
     force_hill_force: float = 0.0
     force_hill_start: float = 0.0
     force_hill_end: float = 1.0
@@ -78,7 +79,8 @@ def force_along(s: float, v: float, angle: float, time: float, law: Laws) -> flo
     push = -(law.viscous_damping_coefficient + damping) * v
     if law.gust_force != 0.0 and law.gust_start <= time < law.gust_end:
         push += law.gust_force
-    push += law.drifting_force_rate * time
+    if law.settling_force_force != 0.0:
+        push -= law.settling_force_force * math.expm1(-time / law.settling_force_time_constant)
     if law.force_hill_force != 0.0 and law.force_hill_start < s < law.force_hill_end:
         width = law.force_hill_end - law.force_hill_start
         push += law.force_hill_force * math.sin(math.pi * (s - law.force_hill_start) / width) ** 2

@@ -15,6 +15,7 @@ from analytic.effects import (
     ANGLE_LAG,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
+    LEVEL_DRIFT,
     LEVEL_ERROR,
     ROLLING_RESISTANCE,
     Effect,
@@ -118,7 +119,9 @@ class Plant:
                 width=self.linkage.width + transmission.play,
                 play_start=play_start,
             ),
-            follower=Follower(lag=self.follower.lag + value(ANGLE_LAG, 0.0)),
+            follower=Follower(
+                lag=self.follower.lag + value(ANGLE_LAG, 0.0), drift=self.follower.drift + value(LEVEL_DRIFT, 0.0)
+            ),
             force=force_with(self.force, acting, turned_before),
         )
 

@@ -22,7 +22,7 @@ from analytic.motion import FloatArray, beam_states
 from analytic.rig import Rig
 from analytic.slots import DAHL, ORIGIN, TRACTION
 from analytic.step import dahl_limit
-from tests.motions import Sines
+from tests.motions import Fixed, Sines
 
 RIG = Rig()
 NOTHING: list[Acting] = []
@@ -93,6 +93,14 @@ def test_a_spline_term_contains_the_laws_nested_in_it(name: str) -> None:
         return acceleration(*state, full) - acceleration(*state, bare) - sense * limit
 
     pushed = 0.0
+    if effect.tilting is not None:  # alike however the beam turns, at every time
+        turning = [beam_states(motion_with(base, TURNING, at(effect)), TURNING) for base in (Sines(), Fixed(0.01))]
+        tilts = [
+            states[:, 0] - base.evaluate(TURNING) for states, base in zip(turning, (Sines(), Fixed(0.01)), strict=True)
+        ]
+        np.testing.assert_allclose(tilts[0], tilts[1], rtol=0.0, atol=1e-15)
+        assert effect.relations.nested_in == (("time", False),)
+        return
     for regressor, friction in effect.relations.nested_in:
         index = {"position": 0, "velocity": 1, "angle": 2, "roll_angle": 0}.get(regressor)
         for fixed in (0.25, 0.31):

@@ -19,6 +19,7 @@ EACH: dict[str, dict[str, float]] = {
     "directional_resistance": {"coefficient_plus": 0.002, "coefficient_minus": 0.005},
     "stribeck_friction": {"static_coefficient": 0.006, "kinetic_coefficient": 0.003, "stribeck_velocity": 0.02},
     "level_error": {"angle": -0.005},
+    "level_drift": {"rate": 8e-4},
     "track_curvature": {"curvature": 0.06, "centre": 0.33},
     "track_bump": {"height": 2e-4, "centre": 0.32, "width": 0.02},
     "ball_imbalance": {"offset": 1e-4},
@@ -36,7 +37,7 @@ EACH: dict[str, dict[str, float]] = {
 }
 EACH_UNLISTED: dict[str, dict[str, float]] = {
     "gust": {"force": 0.006, "start": 4.0, "end": 100.0},
-    "drifting_force": {"rate": 0.0006},
+    "settling_force": {"force": 0.006, "time_constant": 2.0},
     "fading_resistance": {"coefficient": 0.006, "time_constant": 5.0},
     "rough_patch": {"coefficient": 0.01, "start": 0.30, "end": 0.34},
     "force_hill": {"force": 0.01, "start": 0.30, "end": 0.36},

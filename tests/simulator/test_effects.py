@@ -24,6 +24,7 @@ PUBLISHED = {
     "directional_resistance": ["coefficient_plus", "coefficient_minus"],
     "stribeck_friction": ["static_coefficient", "kinetic_coefficient", "stribeck_velocity"],
     "level_error": ["angle"],
+    "level_drift": ["rate"],
     "track_curvature": ["curvature", "centre"],
     "track_bump": ["height", "centre", "width"],
     "ball_imbalance": ["offset"],
@@ -74,7 +75,8 @@ def test_what_cannot_act_is_refused(effects: dict[str, dict[str, float]], messag
             what.with_effects(effects)
 
 
-RESTING = [name for name in ALL if name not in ("level_error", "beam_compliance", "gust", "drifting_force", "magnet")]
+MOVING = ("level_error", "beam_compliance", "gust", "settling_force", "magnet", "level_drift")
+RESTING = [name for name in ALL if name not in MOVING]
 
 
 @pytest.mark.parametrize("name", [*RESTING, "magnet"])

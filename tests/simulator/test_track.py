@@ -66,11 +66,19 @@ def test_gust_pushes_between_its_instants() -> None:
     np.testing.assert_allclose(run.velocity, expected, rtol=0.0, atol=0.01 / MOVED * 1e-4)
 
 
-def test_drifting_force_grows_with_time() -> None:
-    """Accelerate by q t/(m + J/r²)."""
-    run = rolled({"drifting_force": {"rate": 0.001}}, State(0.3, 0.0), 3.0)
-    # midpoints integrate a linear force exactly
-    np.testing.assert_allclose(run.velocity, 0.001 / MOVED * run.time**2 / 2, rtol=0.0, atol=1e-11)
+def test_level_drift_tilts_the_track_with_time() -> None:
+    """Accelerate by K g sin(rate · t)."""
+    run = rolled({"level_drift": {"rate": 0.004}}, State(0.3, 0.0), 3.0)
+    # the sine of 0.012 rad is short of it by 0.012²/6 of K g 0.012 · 1.5 m/s, and K s rate² t is 3e-5 m/s
+    np.testing.assert_allclose(run.velocity, K * G * 0.004 * run.time**2 / 2, rtol=0.0, atol=4e-5)
+
+
+def test_settling_force_grows_to_its_end() -> None:
+    """Accelerate by F (1 − exp(−t/τ))/(m + J/r²)."""
+    run = rolled({"settling_force": {"force": 0.001, "time_constant": 0.5}}, State(0.3, 0.0), 3.0)
+    expected = 0.001 / MOVED * (run.time + 0.5 * np.expm1(-run.time / 0.5))
+    # midpoints of 0.1 ms: (dt/τ)²/24 of it
+    np.testing.assert_allclose(run.velocity, expected, rtol=0.0, atol=1e-9)
 
 
 def test_force_hill_gives_the_energy_under_it() -> None:

@@ -62,7 +62,7 @@ class PreparedRecording:
     def table_with(self, effects: Sequence[Acting]) -> FloatArray:
         """`table`, same shape, where `effects` change the beam motion or delay the recorded position."""
         delay = sensor_with(effects).delay
-        if delay == 0.0 and all(term.effect.turn is None and term.effect.transmission is None for term in effects):
+        if delay == 0.0 and not any(term.effect.moves_beam for term in effects):
             return self.table
         motion = motion_with(self.drive, self.drive.time, effects)  # a half of a recording began with the whole
         if delay != 0.0:

@@ -86,6 +86,9 @@ def _with_effect_absorbed(problem: Problem, best: Fit, name: str) -> SplineTerm:
 
 def _law_at_nodes(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArray:
     """The law of an effect at the nodes of a spline term in which it is nested, in the unit of the nodes, (n,)."""
+    if spline.depends is Regressor.TIME and effect.effect.tilting is not None:
+        begin = float(problem.recordings[0].time[0])
+        return problem.rig.gravity * effect.effect.tilting(effect.values) * (spline.places - begin)
     bare, full = (parameters_with(problem.model, problem.rig, effects) for effects in ((), (effect,)))
     if spline.friction:  # mean over both directions of a rolling ball
         limits = [dry_limit(0.0, sign, sign, 0.0, 0.0, 0.0, full) for sign in (1.0, -1.0)]
