@@ -26,6 +26,7 @@ EFFECTS = {
     "track_bump": {"height": 3e-4, "centre": 0.45, "width": 0.03},
     "beam_compliance": {"compliance": 0.005},
     "level_drift": {"rate": 5e-4},
+    "level_per_recording": {"spread": 0.004},
     "rolling_radius": {"radius": 0.0105},
     "contact_slip": {"friction_coefficient": 0.012},
 }

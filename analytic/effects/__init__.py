@@ -25,7 +25,14 @@ from analytic.effects.resistance import (
 )
 from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG
 from analytic.effects.sensor_law import SensorLaw
-from analytic.effects.track import BEAM_COMPLIANCE, LEVEL_DRIFT, LEVEL_ERROR, TRACK_BUMP, TRACK_CURVATURE
+from analytic.effects.track import (
+    BEAM_COMPLIANCE,
+    LEVEL_DRIFT,
+    LEVEL_ERROR,
+    LEVEL_PER_RECORDING,
+    TRACK_BUMP,
+    TRACK_CURVATURE,
+)
 
 __all__ = [
     "ANGLE_GAIN",
@@ -39,6 +46,7 @@ __all__ = [
     "ECCENTRIC_PIVOT",
     "LEVEL_DRIFT",
     "LEVEL_ERROR",
+    "LEVEL_PER_RECORDING",
     "LINKAGE_BACKLASH",
     "POSITION_GAIN",
     "POSITION_LAG",

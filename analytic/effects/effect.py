@@ -136,12 +136,19 @@ class Effect:
         names = [parameter.name for parameter in self.parameters]
         if not names or len(set(names)) < len(names):
             raise EffectError(f"{self.name}: give it parameters, each name once")
+        if len(names) > 1 and any(parameter.by_recording for parameter in self.parameters):
+            raise EffectError(f"{self.name}: a parameter with a value for each recording has to be the only one")
         if not (self.law and self.source):
             raise EffectError(f"{self.name}: say its law in a line, and where that comes from")
         if not any((self.write, self.alter, self.moves_beam, self.sensor, self.force)):
             raise EffectError(
                 f"{self.name}: does nothing; give it a force, or alter, turn, transmission, sensor or write"
             )
+
+    @property
+    def by_recording(self) -> Parameter | None:
+        """The parameter of which each recording has a value of its own; it is then the only one."""
+        return self.parameters[0] if self.parameters[0].by_recording else None
 
     @property
     def strengths(self) -> frozenset[str]:

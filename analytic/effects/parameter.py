@@ -43,6 +43,8 @@ class Parameter:
         strength: whether the effect vanishes as the parameter goes to 0.
         place: whether it is a place along the beam.
         fitted: bounds of a fit, where they depend on the recordings or the rig, or are closer than `low` and `high`.
+        by_recording: whether each recording has a value of its own, which then stands in the law in its place; the
+            parameter itself is their standard deviation.
         shown: the unit in which people speak of it, and the factor from SI, where SI's own is not that.
 
     Raises:
@@ -60,6 +62,7 @@ class Parameter:
     place: bool = False
     fitted: Bounds | None = None
     shown: tuple[str, float] | None = None
+    by_recording: bool = False
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():

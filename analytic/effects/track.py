@@ -39,6 +39,27 @@ LEVEL_ERROR = Effect(
     relations=Relations(stands_for="level", nested_in=_OF_POSITION),
     engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
 )
+LEVEL_PER_RECORDING = Effect(
+    "level_per_recording",
+    "gravity sees α + αᵢ, αᵢ of recording i; spread is their standard deviation",
+    (
+        Parameter(
+            "spread",
+            "rad",
+            -0.2,
+            0.2,
+            0.003,
+            strength=True,
+            by_recording=True,
+            shown=("°", float(np.degrees(1.0))),
+        ),
+    ),
+    "the paper, eq. 18, 19; a rig that is put up anew, or whose angle is counted from another zero",
+    write=adding(lambda k, rig, v: {slots.LEVEL: v["spread"]}),
+    phrase="a level that differs between recordings by {spread}",
+    relations=Relations(once=True),
+    engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
+)
 LEVEL_DRIFT = Effect(
     "level_drift",
     "the whole rig tilts by rate · t, t from the start of a recording on",
@@ -107,4 +128,4 @@ TRACK_BUMP = Effect(
     relations=Relations(once=True, nested_in=_OF_POSITION),
 )
 
-TRACK = (LEVEL_ERROR, LEVEL_DRIFT, TRACK_CURVATURE, TRACK_BUMP, BEAM_COMPLIANCE)
+TRACK = (LEVEL_ERROR, LEVEL_PER_RECORDING, LEVEL_DRIFT, TRACK_CURVATURE, TRACK_BUMP, BEAM_COMPLIANCE)

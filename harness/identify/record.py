@@ -55,11 +55,15 @@ class ParameterRecord(Part):
 
 
 class EffectRecord(Part):
-    """An identified effect; `effect["coefficient"]` is its parameter of that name."""
+    """An identified effect; `effect["coefficient"]` is its parameter of that name.
+
+    `by_recording` has its value in each recording where these differ.
+    """
 
     name: str
     parameters: dict[str, ParameterRecord]
     indistinguishable_from: tuple[str, ...]
+    by_recording: dict[str, ParameterRecord] = {}
 
     def __getitem__(self, parameter: str) -> ParameterRecord:
         return self.parameters[parameter]

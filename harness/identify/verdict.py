@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
+from analytic.effects import Effect
 from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
@@ -39,11 +40,15 @@ class Estimate:
 
 @dataclass(frozen=True)
 class IdentifiedEffect:
-    """An identified effect: its parameters by name, and the effects that are indistinguishable from it."""
+    """An identified effect: its parameters by name, and the effects that are indistinguishable from it.
+
+    `by_recording` has the value in each recording of an effect that differs between them; else it is empty.
+    """
 
     name: str
     parameters: Mapping[str, Estimate]
     indistinguishable_from: tuple[str, ...]
+    by_recording: Mapping[str, Estimate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -140,7 +145,20 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
         half = TWO_SIDED * problem.settings.inflation * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
     rivals = _rivals(name, found, ledger, Criterion(problem.settings))
-    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)))
+    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), _by_recording(problem, acting.effect, found))
+
+
+def _by_recording(problem: Problem, effect: Effect, found: Fit) -> dict[str, Estimate]:
+    """The value of an effect in each recording, if they differ."""
+    if effect.by_recording is None:
+        return {}
+    unit, halves = effect.by_recording.unit, found.own_deviations(effect.name)
+    values = zip(found.terms.recordings, map(float, found.terms.own[effect.name]), strict=True)
+    factor = TWO_SIDED * problem.settings.inflation
+    return {
+        name: Estimate(value, value - factor * halves[name], value + factor * halves[name], unit)
+        for name, value in values
+    }
 
 
 def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> set[str]:

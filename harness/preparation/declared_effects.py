@@ -13,6 +13,12 @@ def declared_effects(case: Case) -> tuple[Acting, ...]:
     Raises:
         InputError: one of them is not in the catalogue, or its values are not possible.
     """
+    for one in case.declared:
+        if one.name in CATALOGUE and CATALOGUE[one.name].by_recording is not None:
+            raise InputError(
+                f"{case.path}: rig.toml, [[declared]]: {one.name} has a value of its own in each recording "
+                "and cannot be declared. Leave it out; a diagnosis finds these values."
+            )
     try:
         return tuple(acting(one.name, one.parameters) for one in case.declared)
     except EffectError as error:

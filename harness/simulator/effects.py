@@ -16,6 +16,7 @@ from analytic.effects import (
     ECCENTRIC_PIVOT,
     LEVEL_DRIFT,
     LEVEL_ERROR,
+    LEVEL_PER_RECORDING,
     ROLLING_RESISTANCE,
     STRIBECK_FRICTION,
     Acting,
@@ -100,7 +101,15 @@ _ORDERED = {
     STRIBECK_FRICTION.name: ("kinetic_coefficient", "static_coefficient"),
 }
 """Parameters of which the first may not exceed the second."""
-_OF_THE_PLANT = (LEVEL_ERROR, ECCENTRIC_PIVOT, ROLLING_RESISTANCE, CONTACT_SLIP, ANGLE_LAG, LEVEL_DRIFT)
+_OF_THE_PLANT = (
+    LEVEL_ERROR,
+    ECCENTRIC_PIVOT,
+    ROLLING_RESISTANCE,
+    CONTACT_SLIP,
+    ANGLE_LAG,
+    LEVEL_DRIFT,
+    LEVEL_PER_RECORDING,
+)
 """What is no field of `Laws` but of `Plant`."""
 
 

@@ -155,9 +155,22 @@ class Experiment:
             play = float(np.random.default_rng((seed, 1)).uniform(-1.0, 1.0))
         try:
             bare = Plant(rig=self.rig, friction=self.friction, step=self.step)
-            return bare.with_effects(effects, turned_before=turned_before(seed), play_start=play)
+            return bare.with_effects(
+                effects, turned_before=turned_before(seed), play_start=play, level=self._level(seed)
+            )
         except RigError as error:
             raise InputError(f"the rig with these effects cannot exist: {error}.") from error
+
+    def _level(self, seed: int) -> float:
+        """Level of the recording with this seed, over the standard deviation of those to identify from [1].
+
+        These have the mean 0 and the standard deviation 1; a single one has the level 1.
+        """
+        drawn = np.array([np.random.default_rng((each, 3)).standard_normal() for each in self.seeds])
+        known = drawn[: self.identify]
+        if self.identify < 2 or seed not in self.seeds:
+            return 1.0
+        return float(((drawn - known.mean()) / known.std())[self.seeds.index(seed)])
 
     def recordings(self, mover: Mover | None = None) -> tuple[SimulatedRecording, ...]:
         """Carry out all recordings, those to identify from first.

@@ -17,6 +17,7 @@ from analytic.effects import (
     ECCENTRIC_PIVOT,
     LEVEL_DRIFT,
     LEVEL_ERROR,
+    LEVEL_PER_RECORDING,
     ROLLING_RESISTANCE,
     Effect,
     rig_with,
@@ -81,7 +82,9 @@ class Plant:
         if not 0.0 < self.step < math.inf:
             raise ValueError(f"step is {self.step}; it must be positive")
 
-    def with_effects(self, effects: Effects, *, turned_before: float = 0.0, play_start: float = 0.0) -> Plant:
+    def with_effects(
+        self, effects: Effects, *, turned_before: float = 0.0, play_start: float = 0.0, level: float = 1.0
+    ) -> Plant:
         """This plant with effects acting in it too.
 
         Effects of the sensors are none of the plant's (see `Sensors.with_effects`). An eccentric pivot adds no term,
@@ -91,6 +94,7 @@ class Plant:
             effects: name -> parameters, as in `harness.simulator.effects`.
             turned_before: φ₀, how the ball lies at the start [rad].
             play_start: where a linkage begins within its play, −1 … 1 [1].
+            level: of this recording, over the standard deviation of all recordings' levels [1].
 
         Raises:
             InputError: names or values that cannot be.
@@ -104,7 +108,8 @@ class Plant:
 
         rig = rig_with(self.rig, acting)
         rig = rig.with_(
-            level_angle=rig.level_angle + value(LEVEL_ERROR, 0.0), eccentricity=value(ECCENTRIC_PIVOT, rig.eccentricity)
+            level_angle=rig.level_angle + value(LEVEL_ERROR, 0.0) + level * value(LEVEL_PER_RECORDING, 0.0),
+            eccentricity=value(ECCENTRIC_PIVOT, rig.eccentricity),
         )
         transmission = transmission_with(acting)
         return replace(

@@ -19,6 +19,7 @@ EACH: dict[str, dict[str, float]] = {
     "directional_resistance": {"coefficient_plus": 0.002, "coefficient_minus": 0.005},
     "stribeck_friction": {"static_coefficient": 0.006, "kinetic_coefficient": 0.003, "stribeck_velocity": 0.02},
     "level_error": {"angle": -0.005},
+    "level_per_recording": {"spread": 0.004},
     "level_drift": {"rate": 8e-4},
     "track_curvature": {"curvature": 0.06, "centre": 0.33},
     "track_bump": {"height": 2e-4, "centre": 0.32, "width": 0.02},

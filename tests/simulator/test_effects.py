@@ -24,6 +24,7 @@ PUBLISHED = {
     "directional_resistance": ["coefficient_plus", "coefficient_minus"],
     "stribeck_friction": ["static_coefficient", "kinetic_coefficient", "stribeck_velocity"],
     "level_error": ["angle"],
+    "level_per_recording": ["spread"],
     "level_drift": ["rate"],
     "track_curvature": ["curvature", "centre"],
     "track_bump": ["height", "centre", "width"],
@@ -75,7 +76,7 @@ def test_what_cannot_act_is_refused(effects: dict[str, dict[str, float]], messag
             what.with_effects(effects)
 
 
-MOVING = ("level_error", "beam_compliance", "gust", "settling_force", "magnet", "level_drift")
+MOVING = ("level_error", "beam_compliance", "gust", "settling_force", "magnet", "level_drift", "level_per_recording")
 RESTING = [name for name in ALL if name not in MOVING]
 
 

@@ -146,7 +146,7 @@ def _simulate(
     """α, α̇, α̈ of the measured angle in closed loop, shape (n, 3), and the ball position s, shape (n,) [m]."""
     move, push = profile.move(envelope.time, envelope)
     target, push = envelope.middle + size * move, size * push
-    effects = (*problem.declared, *values.effects)
+    effects = (*problem.declared, *values.effects_in(values.own_of(profile.name)))
     p = parameters_with(problem.model, problem.rig, effects)
     p[ORIGIN] = target[0]
     spline = repeated(values).spline
@@ -172,7 +172,7 @@ def _predict(
     reading = np.full(len(states), np.nan)
     reading[0] = problem.sensor(values.effects)[0] * ball[0]
     recording = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
-    expected = run_filter(problem, recording, repeated(values), process_noise, phase=0.0)
+    expected = run_filter(problem, recording, repeated(values), process_noise, own=values.own_of(profile.name))
     return SimulatedRun(recording, expected.recorded, expected.state[:, 0], size)
 
 

@@ -20,7 +20,7 @@ from harness.identify.design.closed_loop import SimulatedRun, repeated
 from harness.identify.estimate.fit import Fit
 from harness.identify.filter.ekf import penalty
 from harness.identify.filter.run import run_filter
-from harness.identify.problem.hypothesis import Terms
+from harness.identify.problem.hypothesis import PHASE, Terms
 from harness.identify.problem.problem import Problem
 
 _STEP = 1e-2  # of finite differences, in scaled parameters
@@ -102,7 +102,7 @@ def _steady(interval: float, R: float, process_noise: float, true: float) -> tup
 def mean_innovations(problem: Problem, run: SimulatedRun, values: Terms) -> FloatArray:
     """Innovations of a model on a noiseless recording, at the process noise of `SteadyFilters.open`, (n − 1,) [m]."""
     at = repeated(values)
-    out = run_filter(problem, run.recording, at, _OPEN, phase=float(at.phases[0]), reading=run.reading)
+    out = run_filter(problem, run.recording, at, _OPEN, own=at.own_at(0), reading=run.reading)
     return out.innovation[1:]
 
 
@@ -128,7 +128,7 @@ def rival_deviance(
 
     theta = _for_new_recording(problem, alone, rival)
     if hypothesis.turning:
-        starts = theta + np.outer(_PHASES, np.arange(len(theta)) == len(hypothesis.parameters))
+        starts = theta + np.outer(_PHASES, np.arange(len(theta)) == hypothesis.own_slice(PHASE, alone).start)
         theta = min(starts, key=lambda start: float(np.sum(innovations(start) ** 2)))
     here = innovations(theta)
     least = steady_filters.deviance(here)
@@ -149,12 +149,10 @@ def rival_deviance(
 
 
 def _for_new_recording(problem: Problem, alone: Problem, fit: Fit) -> FloatArray:
-    """Scaled parameters of a fit for a single new recording, with φ₀ = 0 in place of those of the old ones."""
+    """Scaled parameters of a fit for a single new recording, with zeros for what the old ones have of their own."""
     hypothesis = fit.hypothesis
-    effects, more = len(hypothesis.parameters), hypothesis.size(problem) - hypothesis.size(alone)
-    if not hypothesis.turning:
-        return fit.theta
-    return np.concatenate((fit.theta[:effects], [0.0], fit.theta[effects + more + 1 :]))
+    effects, own = len(hypothesis.parameters), hypothesis.tail(problem)[0]
+    return np.concatenate((fit.theta[:effects], np.zeros(hypothesis.tail(alone)[0]), fit.theta[effects + own :]))
 
 
 def open_loop_drift(problem: Problem, found: Fit, run: SimulatedRun) -> float:
@@ -172,7 +170,7 @@ def open_loop_drift(problem: Problem, found: Fit, run: SimulatedRun) -> float:
         moved = theta.copy()
         moved[:size] += math.sqrt(max(value, 0.0)) * axis
         at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
-        out = run_filter(problem, run.recording, at, found.process_noise, phase=0.0)
+        out = run_filter(problem, run.recording, at, found.process_noise, own=at.own_at(0))
         square += float(out.recorded[-1] - run.reading[-1]) ** 2
     noise = found.process_noise * (run.recording.time[-1] - run.recording.time[0]) ** 3 / 3.0
     return math.sqrt(problem.settings.overdispersion * square + noise)

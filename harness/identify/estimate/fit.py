@@ -18,7 +18,7 @@ from scipy.optimize import least_squares, minimize_scalar
 from analytic.motion import FloatArray
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
 from harness.identify.filter.residuals import Residuals
-from harness.identify.problem.hypothesis import Hypothesis, Terms, phase_key
+from harness.identify.problem.hypothesis import PHASE, Hypothesis, Terms, own_key
 from harness.identify.problem.problem import Problem
 
 TWO_SIDED = 1.96  # half width of the 95 % interval of a normal variable [σ]
@@ -65,17 +65,42 @@ class Fit:
         return math.sqrt(self.process_noise)
 
     def values(self) -> dict[tuple[str, str], float]:
-        """Value of every (effect, parameter), and φ₀ of the recordings by `phase_key` if it is a parameter."""
+        """Value of every (effect, parameter), and what recordings have of their own by `own_key`."""
         values = {(one.effect.name, key): value for one in self.terms.effects for key, value in one.values.items()}
+        each = dict(self.terms.own)
         if self.hypothesis.turning:
+            each[PHASE] = self.terms.phases
+        for name, own in each.items():
             values |= {
-                phase_key(name): phase for name, phase in zip(self.terms.recordings, self.terms.phases, strict=True)
+                own_key(name, recording): float(value)
+                for recording, value in zip(self.terms.recordings, own, strict=True)
             }
         return values
 
     def deviations(self) -> dict[tuple[str, str], float]:
         """Standard error of every (effect, parameter), without overdispersion."""
-        return dict(zip(self.hypothesis.parameters, np.sqrt(np.diag(self.covariance).clip(min=0.0)), strict=False))
+        errors = np.sqrt(np.diag(self.covariance).clip(min=0.0))
+        deviations = dict(zip(self.hypothesis.parameters, errors, strict=False))
+        for name, own in self.terms.own.items():
+            # of the standard deviation x of n values: dx/dvalue = (value − mean)/(n x)
+            effect = next(one for one in self.hypothesis.effects if one.name == name)
+            apart = own - np.mean(own)
+            slope = apart / max(float(np.linalg.norm(apart)), 1e-30) / math.sqrt(len(own))
+            at = self._own_slice(name)
+            square = float(slope @ self.covariance[at, at] @ slope)
+            deviations[name, effect.parameters[0].name] = math.sqrt(max(square, 0.0))
+        return deviations
+
+    def own_deviations(self, name: str) -> dict[str, float]:
+        """Standard error of an effect's value in each recording, without overdispersion, by the recording's name."""
+        at = self._own_slice(name)
+        errors = np.sqrt(np.diag(self.covariance[at, at]).clip(min=0.0))
+        return dict(zip(self.terms.recordings, map(float, errors), strict=True))
+
+    def _own_slice(self, name: str) -> slice:
+        count = len(self.terms.recordings)
+        begin = len(self.hypothesis.parameters) + self.hypothesis.own.index(name) * count
+        return slice(begin, begin + count)
 
 
 def fit(

@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.estimate.initial_phase import phase_of
+from harness.identify.estimate.own_values import own_of
 from harness.identify.filter.run import FilterRun, run_filter
 from harness.identify.problem.problem import PreparedRecording, Problem
 
@@ -39,9 +39,9 @@ class Forecast:
 
 
 def filtered(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray) -> FilterRun:
-    """Run the filter of a fit over a recording with the given readings, shape (n,) [m], from which φ₀ is estimated."""
-    phase = phase_of(problem, found, recording, reading)
-    return run_filter(problem, recording, found.terms, found.process_noise, phase=phase, reading=reading)
+    """Run the filter of a fit over a recording with these readings, shape (n,) [m], which also give its own values."""
+    own = own_of(problem, found, recording, reading)
+    return run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
 
 
 def forecast(
@@ -60,11 +60,11 @@ def forecast(
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(recording.time))
-        phase = phase_of(problem, found, recording, reading)
+        own = own_of(problem, found, recording, reading)
         for _ in range(_DRAWS):
             theta = np.clip(found.theta + root @ generator.standard_normal(count), low, high)
             at = found.hypothesis.terms(theta, problem)
-            drawn = run_filter(problem, recording, at, found.process_noise, phase=phase, reading=reading)
+            drawn = run_filter(problem, recording, at, found.process_noise, own=own, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
     return Forecast(recording.time, best.recorded, np.sqrt(variance), best.state[:, :2])

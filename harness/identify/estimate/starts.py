@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.filter.run import deviance, deviance_of
-from harness.identify.problem.hypothesis import Hypothesis, phase_key
+from harness.identify.problem.hypothesis import PHASE, Hypothesis, own_key
 from harness.identify.problem.problem import Problem
 
 _PHASES = 2.0 * np.pi / 8 * np.arange(8)  # initial values of φ₀ [rad]: within 22.5° of the optimum
 _SCREENED = 3  # largest number of starting points
 
 Values = Mapping[tuple[str, str], float]
-"""Values by (effect, parameter), and φ₀ of recordings by `phase_key`."""
+"""Values by (effect, parameter), and what recordings have of their own by `own_key`."""
 
 
 def starting_points(
@@ -30,17 +31,19 @@ def starting_points(
     """
     choices = []
     for effect in hypothesis.effects:
+        if effect.by_recording is not None:
+            continue
         keys = [(effect.name, parameter.name) for parameter in effect.parameters]
         if all(key in initial for key in keys):
             choices.append([[initial[key] for key in keys]])
         else:
             values = (parameter.starts_on(problem.visited, problem.rig) for parameter in effect.parameters)
             choices.append([list(chosen) for chosen in itertools.product(*values)])
-    phases, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.nodes) if hypothesis.spline else []
+    own, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.nodes) if hypothesis.spline else []
     starts = []
     for combination in itertools.product(*choices):
-        theta = np.array([*itertools.chain(*combination), *[0.0] * phases, *nodes]) / hypothesis.scale(problem)
-        starts.append(_with_phases(problem, hypothesis, theta, initial, process_noise))
+        theta = np.array([*itertools.chain(*combination), *[0.0] * own, *nodes]) / hypothesis.scale(problem)
+        starts.append(_with_own(problem, hypothesis, theta, initial, process_noise))
     if len(starts) > _SCREENED:
         starts.sort(key=lambda theta: deviance(problem, hypothesis.terms(theta, problem), process_noise))
     return starts[:_SCREENED]
@@ -53,15 +56,24 @@ def attenuated(hypothesis: Hypothesis, theta: FloatArray, factor: float, initial
     return theta * np.array(factors + [1.0] * (len(theta) - len(factors)))
 
 
-def _with_phases(
+def _with_own(
     problem: Problem, hypothesis: Hypothesis, theta: FloatArray, initial: Values, process_noise: float
 ) -> FloatArray:
-    """The parameters with the φ₀ given, or for each recording the one of lowest deviance among `_PHASES`."""
-    at, first = hypothesis.terms(theta, problem), len(hypothesis.parameters)
-    for n, recording in enumerate(problem.recordings[: hypothesis.tail(problem)[0]]):
-        phase = initial.get(phase_key(recording.name))
+    """The parameters with what is given of the recordings' own, or for each the φ₀ of lowest deviance in `_PHASES`."""
+    scale = hypothesis.scale(problem)
+    for name in hypothesis.own:
+        if name != PHASE:
+            given = [initial.get(own_key(name, recording.name), 0.0) for recording in problem.recordings]
+            at = hypothesis.own_slice(name, problem)
+            theta[at] = given / scale[at]
+    if PHASE not in hypothesis.own:
+        return theta
+    terms, first = hypothesis.terms(theta, problem), hypothesis.own_slice(PHASE, problem).start
+    for n, recording in enumerate(problem.recordings):
+        phase = initial.get(own_key(PHASE, recording.name))
         if phase is None:
-            deviances = [deviance_of(problem, recording, at, process_noise, phase=float(phi)) for phi in _PHASES]
+            tried = [replace(terms.own_at(n), phase=float(phi)) for phi in _PHASES]
+            deviances = [deviance_of(problem, recording, terms, process_noise, own=own) for own in tried]
             phase = float(_PHASES[np.argmin(deviances)])
         theta[first + n] = phase
     return theta

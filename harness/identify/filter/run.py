@@ -16,7 +16,7 @@ from harness.identify.filter.ekf import (
     extended_kalman_filter,
     negative_two_log_likelihood,
 )
-from harness.identify.problem.hypothesis import Terms
+from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
 
 
@@ -37,21 +37,19 @@ class FilterRun:
         return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
 
 
-def dynamics(
-    problem: Problem, recording: PreparedRecording, added: Terms, phase: float
-) -> tuple[FloatArray, FloatArray]:
+def dynamics(problem: Problem, recording: PreparedRecording, added: Terms, own: Own) -> tuple[FloatArray, FloatArray]:
     """The kernel's vector, shape (SLOTS,) or longer where force laws follow, and the beam's table of one recording.
 
     Args:
         added: terms beside the known effects.
-        phase: φ₀ of the recording [rad].
+        own: what the recording has of its own.
     """
-    effects = (*problem.declared, *added.effects)
-    p = parameters_with(problem.model, problem.rig, effects, phase=phase)
+    effects = (*problem.declared, *added.effects_in(own))
+    p = parameters_with(problem.model, problem.rig, effects, phase=own.phase)
     p[ORIGIN] = recording.origin / problem.sensor(added.effects)[0]
     table = recording.table_with(effects)
     if added.spline is not None:
-        added.spline.write(p, phase)
+        added.spline.write(p, own.phase)
         table = added.spline.load(table, recording.times, problem.rig.gravity)
     return p, table
 
@@ -62,7 +60,7 @@ def run_filter(
     added: Terms,
     process_noise: float,
     *,
-    phase: float | None = None,
+    own: Own | None = None,
     reading: FloatArray | None = None,
 ) -> FilterRun:
     """Run the filter over one recording.
@@ -70,11 +68,11 @@ def run_filter(
     Args:
         added: terms beside the known effects.
         process_noise: density [m²/s³].
-        phase: φ₀ of the recording [rad]; by default that of the terms.
+        own: what the recording has of its own; by default what the terms say.
         reading: readings in place of the recording's, shape (n,), NaN where missing [m].
     """
     gain, lag = problem.sensor(added.effects)
-    p, table = dynamics(problem, recording, added, added.phase_of(recording.name) if phase is None else phase)
+    p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
     readings = Readings(recording.time, recording.reading if reading is None else reading)
     beam = BeamTable(recording.grid.steps, recording.grid.marks, table)
     return FilterRun(
@@ -104,10 +102,10 @@ def deviance_of(
     added: Terms,
     process_noise: float,
     *,
-    phase: float | None = None,
+    own: Own | None = None,
     reading: FloatArray | None = None,
 ) -> float:
     """Deviance of the innovations of one recording; arguments as for `run_filter`."""
-    run = run_filter(problem, recording, added, process_noise, phase=phase, reading=reading)
+    run = run_filter(problem, recording, added, process_noise, own=own, reading=reading)
     use = recording.judged if reading is None else filtered_against(reading)
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])

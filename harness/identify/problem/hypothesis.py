@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,23 +18,54 @@ from harness.identify.problem.spline_term import SplineTerm
 _NODE_DIFFERENCE = {False: 1.0, True: 3.0}
 
 
-def phase_key(recording: str) -> tuple[str, str]:
-    """Key of a recording's φ₀ in a mapping of known values."""
-    return "", f"phase of {recording}"
+OWN_DEVIATION = 0.02  # prior standard deviation of a recording's own level [rad]: a hundred times what readings leave
+PHASE = "phase"
+
+
+def own_key(name: str, recording: str) -> tuple[str, str]:
+    """Key of a recording's own value in a mapping of known values: φ₀ (`PHASE`), or that of an effect by name."""
+    return "", f"{name} of {recording}"
+
+
+@dataclass(frozen=True)
+class Own:
+    """What a recording has of its own: φ₀ [rad], and the value of each effect whose parameter differs between them."""
+
+    phase: float = 0.0
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Terms:
-    """A hypothesis with parameter values: effects, φ₀ of each recording [rad], and the spline term."""
+    """A hypothesis with parameter values: effects, φ₀ of each recording [rad], and the spline term.
+
+    `own` holds the values of each effect whose parameter differs between recordings, by its name, shape (recordings,).
+    """
 
     recordings: tuple[str, ...]
     effects: tuple[Acting, ...]
     phases: FloatArray
     spline: SplineTerm | None
+    own: Mapping[str, FloatArray] = field(default_factory=dict)
 
-    def phase_of(self, recording: str) -> float:
-        """φ₀ of a recording by name [rad]; 0 for a recording that was not fitted."""
-        return float(self.phases[self.recordings.index(recording)]) if recording in self.recordings else 0.0
+    def own_at(self, number: int) -> Own:
+        """What the recording of this number has of its own."""
+        return Own(float(self.phases[number]), {name: float(values[number]) for name, values in self.own.items()})
+
+    def own_of(self, recording: str) -> Own:
+        """What a recording has of its own, by its name; zeros for a recording that was not fitted."""
+        if recording in self.recordings:
+            return self.own_at(self.recordings.index(recording))
+        return Own(0.0, dict.fromkeys(self.own, 0.0))
+
+    def effects_in(self, own: Own) -> tuple[Acting, ...]:
+        """The effects as they act in a recording that has this of its own."""
+        return tuple(
+            Acting(one.effect, {one.effect.parameters[0].name: own.values[one.effect.name]})
+            if one.effect.name in own.values
+            else one
+            for one in self.effects
+        )
 
 
 NOTHING = Terms((), (), np.zeros(0), None)
@@ -43,8 +75,8 @@ NOTHING = Terms((), (), np.zeros(0), None)
 class Hypothesis:
     """Effects by name, in the order in which they were found, and possibly a spline term.
 
-    The scaled parameters θ, each divided by its typical size, are those of the effects, then φ₀ of each recording
-    if the hypothesis depends on the rolled angle, then the nodes of the spline term.
+    The scaled parameters θ, each divided by its typical size, are those of the effects that are alike in all
+    recordings, then what each recording has of its own, then the nodes of the spline term.
     """
 
     names: tuple[str, ...]
@@ -57,12 +89,29 @@ class Hypothesis:
 
     @cached_property
     def parameters(self) -> list[tuple[str, str]]:
-        """(effect, parameter) of every parameter of an effect, in the order of θ."""
-        return [(effect.name, parameter.name) for effect in self.effects for parameter in effect.parameters]
+        """(effect, parameter) of every parameter of an effect that all recordings share, in the order of θ."""
+        return [
+            (effect.name, parameter.name)
+            for effect in self.effects
+            for parameter in effect.parameters
+            if not parameter.by_recording
+        ]
 
     @cached_property
     def _effect_parameters(self) -> list[Parameter]:
-        return [parameter for effect in self.effects for parameter in effect.parameters]
+        return [one for effect in self.effects for one in effect.parameters if not one.by_recording]
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """What each recording has of its own, in the order of θ: φ₀ (`PHASE`), effects by name."""
+        differing = tuple(effect.name for effect in self.effects if effect.by_recording is not None)
+        return (PHASE, *differing) if self.turning else differing
+
+    def own_slice(self, name: str, problem: Problem) -> slice:
+        """Where the values of the recordings are in θ, for `PHASE` or an effect."""
+        count = len(problem.recordings)
+        begin = len(self.parameters) + self.own.index(name) * count
+        return slice(begin, begin + count)
 
     @property
     def turning(self) -> bool:
@@ -70,8 +119,8 @@ class Hypothesis:
         return any(effect.turning for effect in self.effects) or (self.spline is not None and self.spline.turning)
 
     def tail(self, problem: Problem) -> tuple[int, int]:
-        """Number of phases φ₀ and number of nodes of the spline term: the parameters after those of the effects."""
-        return len(problem.recordings) if self.turning else 0, len(self.spline.nodes) if self.spline else 0
+        """Number of values that recordings have of their own and of nodes of the spline term: θ after the effects'."""
+        return len(problem.recordings) * len(self.own), len(self.spline.nodes) if self.spline else 0
 
     def size(self, problem: Problem) -> int:
         """Number of parameters k."""
@@ -79,10 +128,11 @@ class Hypothesis:
 
     def scale(self, problem: Problem) -> FloatArray:
         """Typical size of each parameter in its unit, shape (k,): value = θ · scale."""
-        phases, nodes = self.tail(problem)
+        nodes = self.tail(problem)[1]
         node = 0.0 if self.spline is None else 0.003 if self.spline.friction else 0.03
         sizes = [parameter.size(problem.rig) for parameter in self._effect_parameters]
-        return np.array(sizes + [1.0] * phases + [node] * nodes)
+        own = [size for name in self.own for size in [_own_size(name)] * len(problem.recordings)]
+        return np.array(sizes + own + [node] * nodes)
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest scaled parameters, shape (k,) each."""
@@ -93,25 +143,43 @@ class Hypothesis:
         return low / scale, high / scale
 
     def smoothness(self, problem: Problem) -> FloatArray:
-        """Matrix of the smoothness penalty: differences of neighbouring nodes over their standard deviation from θ.
+        """Matrix of the penalty: values over their prior standard deviations, as functions of θ, shape (r, k).
 
-        It determines nodes where there are hardly any readings. Shape (r, k), r = 0 without a spline term.
+        Differences of neighbouring nodes of the spline term, which determine nodes where there are hardly any readings;
+        and values of effects that differ between recordings, which would else not be distinct from one that all share.
         """
+        own = np.zeros((0, self.size(problem)))
+        scale = self.scale(problem)
+        for name in self.own:
+            if name != PHASE:
+                own = np.vstack((own, np.diag(scale / OWN_DEVIATION)[self.own_slice(name, problem)]))
         if self.spline is None:
-            return np.zeros((0, self.size(problem)))
+            return own
         count = len(self.spline.nodes)
         steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
         steps = steps if self.spline.turning else steps[:-1]
         penalty = steps / _NODE_DIFFERENCE[self.spline.friction]
-        return np.hstack((np.zeros((len(steps), self.size(problem) - count)), penalty))
+        return np.vstack((own, np.hstack((np.zeros((len(steps), self.size(problem) - count)), penalty))))
 
     def terms(self, theta: FloatArray, problem: Problem) -> Terms:
         """Effects, phases and spline term with the values of the scaled parameters, shape (k,)."""
         values = theta * self.scale(problem)
-        acting, at = [], 0
-        for effect in self.effects:
-            acting.append(Acting(effect, {p.name: float(values[at + i]) for i, p in enumerate(effect.parameters)}))
-            at += len(effect.parameters)
-        phases = values[at : at + len(problem.recordings)] if self.turning else np.zeros(len(problem.recordings))
+        each = {name: values[self.own_slice(name, problem)] for name in self.own}
+        shared = dict(zip(self.parameters, map(float, values), strict=False))
+        acting = tuple(
+            Acting(
+                effect,
+                {effect.parameters[0].name: float(np.std(each[effect.name]))}
+                if effect.by_recording is not None
+                else {one.name: shared[effect.name, one.name] for one in effect.parameters},
+            )
+            for effect in self.effects
+        )
+        phases = each.pop(PHASE, np.zeros(len(problem.recordings)))
         spline = replace(self.spline, nodes=values[-len(self.spline.nodes) :]) if self.spline else None
-        return Terms(tuple(recording.name for recording in problem.recordings), tuple(acting), phases, spline)
+        return Terms(tuple(recording.name for recording in problem.recordings), acting, phases, spline, each)
+
+
+def _own_size(name: str) -> float:
+    """Typical size of what a recording has of its own: 1 rad of φ₀, that of the effect's parameter."""
+    return 1.0 if name == PHASE else abs(CATALOGUE[name].parameters[0].typical)

@@ -32,6 +32,7 @@ def candidates(problem: Problem) -> tuple[str, ...]:
         for name, effect in CATALOGUE.items()
         if name not in hidden_by(problem.unknown)
         and name not in known
+        and (effect.by_recording is None or len(problem.recordings) > 1)
         and not effect.relations.in_baseline(problem.model)
     )
 

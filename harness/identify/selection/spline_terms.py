@@ -13,7 +13,7 @@ from analytic.motion import FloatArray
 from analytic.slots import RESPONSE, ROLL, WEIGHT
 from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit, unrefined
-from harness.identify.estimate.initial_phase import phase_of
+from harness.identify.estimate.own_values import own_of
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
@@ -124,11 +124,11 @@ def held_out_deviances(
 
 
 def _held_out_deviance(fold: Fold, fitted: Fit) -> float:
-    """Deviance of the held-out recording, with φ₀ and process noise fitted to it."""
+    """Deviance of the held-out recording, with its own values and process noise fitted to it."""
     recording: PreparedRecording = fold.left[0]
-    phase = phase_of(fold.problem, fitted, recording, recording.reading)
+    own = own_of(fold.problem, fitted, recording, recording.reading)
     densities = fitted.process_noise * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, recording, fitted.terms, density, phase=phase) for density in densities)
+    return min(deviance_of(fold.problem, recording, fitted.terms, density, own=own) for density in densities)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failures | None = None) -> list[Fit]:

@@ -25,7 +25,7 @@ from harness.errors import EngineFailure
 from harness.failures import Failed, Failures, Part, caught
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
-from harness.identify.estimate.initial_phase import phase_of
+from harness.identify.estimate.own_values import own_of
 from harness.identify.filter.run import FilterRun
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
@@ -154,14 +154,14 @@ class _Scene:
 
     def __init__(self, problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> None:
         self.problem, self.found, self.recording = problem, found, recording
-        phase = phase_of(problem, found, recording, recording.reading)
-        self.effects = (*problem.declared, *found.terms.effects)
+        own = own_of(problem, found, recording, recording.reading)
+        self.effects = (*problem.declared, *found.terms.effects_in(own))
         gain = problem.sensor(found.terms.effects)[0]
         self.rig: Rig = rig_with(problem.rig, self.effects)
         self.origin = recording.origin / gain
         spline = found.terms.spline
-        self.law = None if spline is None else _law(spline, phase, problem.rig.gravity)
-        self.phase = phase
+        self.law = None if spline is None else _law(spline, own.phase, problem.rig.gravity)
+        self.phase = own.phase
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
         self.engine = engine

@@ -72,7 +72,7 @@ def _acceleration(
     problem: Problem, recording: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
 ) -> FloatArray:
     """Modelled acceleration along the measured path, as recorded by the sensor, shape (n,) [m/s²]."""
-    p, table = dynamics(problem, recording, added, added.phase_of(recording.name))
+    p, table = dynamics(problem, recording, added, added.own_of(recording.name))
     gain, lag = problem.sensor(added.effects)
     out = np.empty(len(recording.time))
     _along(ball.position / gain, ball.velocity / gain, recording.grid.steps, recording.grid.marks, table, p, out)

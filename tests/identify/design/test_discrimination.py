@@ -14,7 +14,7 @@ from harness.identify.design.discrimination import SteadyFilters, open_loop_drif
 from harness.identify.design.excitation import LIBRARY, envelope_of
 from harness.identify.filter.ekf import negative_two_log_likelihood
 from harness.identify.filter.run import run_filter
-from harness.identify.problem.hypothesis import NOTHING
+from harness.identify.problem.hypothesis import NOTHING, Own
 from tests.identify.short_rig import GAIN, RADIUS, Short, short
 
 
@@ -41,7 +41,7 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     gain, _ = frictionless.sensor(best.effects)
 
     def innovations(process_noise: float) -> FloatArray:
-        found = run_filter(frictionless, made.recording, best, process_noise / gain**2, phase=0.0, reading=made.reading)
+        found = run_filter(frictionless, made.recording, best, process_noise / gain**2, own=Own(), reading=made.reading)
         return found.innovation[1:]
 
     later = slice(round(2.0 / envelope.interval), None)
