@@ -23,7 +23,7 @@ from analytic.effects.resistance import (
     STRIBECK_FRICTION,
     VISCOUS_DAMPING,
 )
-from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG
+from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG, POSITION_NONLINEARITY
 from analytic.effects.sensor_law import SensorLaw
 from analytic.effects.track import (
     BEAM_COMPLIANCE,
@@ -50,6 +50,7 @@ __all__ = [
     "LINKAGE_BACKLASH",
     "POSITION_GAIN",
     "POSITION_LAG",
+    "POSITION_NONLINEARITY",
     "PRESLIDING_HYSTERESIS",
     "QUADRATIC_DRAG",
     "ROLLING_RADIUS",

@@ -1,10 +1,14 @@
-"""What the position sensor does to the position: delay, gain, lag."""
+"""What the position sensor does to the position: delay, gain, curve, lag."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from analytic.effects.effect import Effect, EngineEntry, Relations
-from analytic.effects.parameter import Parameter
+from analytic.effects.parameter import Bounds, Parameter
 from analytic.effects.sensor_law import SensorLaw
+from analytic.motion import FloatArray
+from analytic.rig import Rig
 
 CHANNEL_DELAY = Effect(
     "channel_delay",
@@ -34,5 +38,30 @@ POSITION_LAG = Effect(
     phrase="a lag of {time_constant} of the position sensor",
     relations=Relations(once=True),
 )
+_MOST = 0.4  # of the slope of a sensor's curve that each of its terms may take or add
 
-SENSOR = (CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG)
+
+def _bent(power: int) -> Bounds:
+    """Bounds of the curve's term of this power: with both at their bounds it still rises everywhere along the track."""
+
+    def bounds(visited: FloatArray, rig: Rig) -> tuple[float, float]:
+        most = _MOST / (power * float(np.percentile(np.abs(visited), 99.5)) ** (power - 1))
+        return -most, most
+
+    return bounds
+
+
+POSITION_NONLINEARITY = Effect(
+    "position_nonlinearity",
+    "recorded position = s + square s² + cube s³",
+    (
+        Parameter("square", "1/m", -10.0, 10.0, 0.1, starts=(0.0,), strength=True, fitted=_bent(2)),
+        Parameter("cube", "1/m²", -10.0, 10.0, 0.1, starts=(0.0,), strength=True, fitted=_bent(3)),
+    ),
+    "a curve of the position sensor, to third order",
+    sensor=lambda values: SensorLaw(square=values["square"], cube=values["cube"]),
+    phrase="a curve of the position sensor of {square} s² and {cube} s³",
+    relations=Relations(once=True),
+)
+
+SENSOR = (CHANNEL_DELAY, POSITION_GAIN, POSITION_NONLINEARITY, POSITION_LAG)

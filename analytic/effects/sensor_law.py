@@ -1,4 +1,4 @@
-"""What a position sensor does to the position: gain, first-order lag, delay."""
+"""What a position sensor does to the position: gain, curve, first-order lag, delay."""
 
 from __future__ import annotations
 
@@ -7,28 +7,40 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from analytic.compiled import njit
 from analytic.motion import FloatArray
 
+_LEAST_SLOPE = 0.1  # of a sensor's curve, over its gain [1]
+_ITERATIONS = 8  # of Newton's method: each doubles the digits
 _SETTLED = 1e-9  # least time constant of the recursion [s]
 
 
 @dataclass(frozen=True)
 class SensorLaw:
-    """Recorded is `gain` [1] times the position behind a first-order lag T ẏ + y = s, `delay` [s] later.
+    """Recorded is `gain` (y + `square` y² + `cube` y³), y the position behind a lag T ẏ + y = s, `delay` later.
 
     Attributes:
         gain: recorded position per position [1].
         lag: T [s].
         delay: the position at t is recorded at t + delay [s]; negative where the angle is late.
+        square, cube: of the sensor's curve [1/m, 1/m²].
     """
 
     gain: float = 1.0
     lag: float = 0.0
     delay: float = 0.0
+    square: float = 0.0
+    cube: float = 0.0
 
     def behind(self, other: SensorLaw) -> SensorLaw:
-        """Both, one behind the other; of two lags the sum, which is right to first order in them."""
-        return SensorLaw(self.gain * other.gain, self.lag + other.lag, self.delay + other.delay)
+        """Both, one behind the other; of two lags or curves the sum, which is right to first order in them."""
+        return SensorLaw(
+            self.gain * other.gain,
+            self.lag + other.lag,
+            self.delay + other.delay,
+            self.square + other.square,
+            self.cube + other.cube,
+        )
 
     def recorded(self, time: FloatArray, position: FloatArray) -> FloatArray:
         """What is recorded of `position` [m] at `time` [s], both of shape (n,); NaN where it is not known."""
@@ -36,7 +48,40 @@ class SensorLaw:
             position = _delayed(time, position, self.delay)
         if self.lag:
             position = _lagged(time, position, self.lag)
-        return self.gain * position
+        return self.curve(position)
+
+    def curve(self, position: FloatArray) -> FloatArray:
+        """What is recorded of a ball that lies at `position`, any shape; the same shape [m]."""
+        return self.gain * (position + position * position * (self.square + self.cube * position))
+
+    def slope(self, position: FloatArray) -> FloatArray:
+        """Derivative of `curve`, never below a tenth of the gain, which a sensor's curve does not reach; same shape."""
+        slope = 1.0 + position * (2.0 * self.square + 3.0 * self.cube * position)
+        return self.gain * np.maximum(slope, _LEAST_SLOPE)
+
+    def position(self, recorded: FloatArray) -> FloatArray:
+        """Where a ball lies of which `recorded` is recorded, any shape; the same shape [m]."""
+        recorded = np.asarray(recorded, np.float64)
+        found = [lies(float(one), self.gain, self.square, self.cube) for one in recorded.ravel()]
+        return np.reshape(found, recorded.shape)
+
+
+@njit(cache=True, inline="always")
+def measured(s: float, gain: float, square: float, cube: float) -> tuple[float, float]:
+    """What a sensor with this curve measures of a ball at s [m], and the slope of that [1]; see `SensorLaw`."""
+    slope = max(1.0 + s * (2.0 * square + 3.0 * cube * s), _LEAST_SLOPE)
+    return gain * (s + s * s * (square + cube * s)), gain * slope
+
+
+@njit(cache=True)
+def lies(recorded: float, gain: float, square: float, cube: float) -> float:
+    """Where a ball lies of which such a sensor measures `recorded` [m], by Newton's method."""
+    s = recorded / gain
+    if square != 0.0 or cube != 0.0:
+        for _ in range(_ITERATIONS):
+            value, slope = measured(s, gain, square, cube)
+            s -= (value - recorded) / slope
+    return s
 
 
 def _delayed(time: FloatArray, position: FloatArray, delay: float) -> FloatArray:

@@ -23,6 +23,7 @@ from analytic.effects import (
     LINKAGE_BACKLASH,
     POSITION_GAIN,
     POSITION_LAG,
+    POSITION_NONLINEARITY,
     PRESLIDING_HYSTERESIS,
     QUADRATIC_DRAG,
     ROLLING_RADIUS,
@@ -104,6 +105,7 @@ _OWN: Mapping[str, Scale] = {
     ANGLE_LAG.name: Scale(middle={"time_constant": 0.08}),
     CHANNEL_DELAY.name: Scale(middle={"delay": 0.05}, signed=True),
     POSITION_GAIN.name: Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
+    POSITION_NONLINEARITY.name: Scale(middle={"square": 0.15, "cube": -0.1}, signed=True),
     POSITION_LAG.name: Scale(middle={"time_constant": 0.04}),
 }
 

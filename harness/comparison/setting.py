@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from analytic.effects import Acting, motion_with, parameters_with
+from analytic.effects import Acting, motion_with, parameters_with, sensor_with
 from analytic.models import Model
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
@@ -98,7 +98,7 @@ class Setting:
     @property
     def origin(self) -> float:
         """Position at which the rolled angle is zero: the start of the free run [m]."""
-        return float(self.ball.position[self.horizons[0].first[0]])
+        return float(sensor_with(self.acting).position(self.ball.position[self.horizons[0].first[0]]))
 
     def vector(self, model: Model, rig: Rig | None = None) -> FloatArray:
         """Kernel parameters of `model` with the declared effects, for `rig` or the setting's rig; shape (SLOTS,)."""
@@ -108,7 +108,9 @@ class Setting:
 
     def starts(self, horizon: Horizon) -> FloatArray:
         """Initial s [m] and ṡ [m/s] of the runs of `horizon`, shape (runs, 2)."""
-        starts = np.column_stack((self.ball.position[horizon.first], self.ball.velocity[horizon.first]))
+        sensor = sensor_with(self.acting)
+        position = sensor.position(self.ball.position[horizon.first])
+        starts = np.column_stack((position, self.ball.velocity[horizon.first] / sensor.slope(position)))
         if self.choices.start is not None and horizon.seconds is None:
             starts[0] = self.choices.start.position, self.choices.start.velocity
         return starts

@@ -100,7 +100,9 @@ def _check_sensor(place: str, law: object, values: Values) -> None:
     given = ", ".join(f"{name} = {value:g}" for name, value in values.items())
     if not isinstance(law, SensorLaw):
         raise InputError(f"{place}: sensor gives {law!r} with {given}. Let it give a SensorLaw.")
-    if not (all(map(math.isfinite, (law.gain, law.lag, law.delay))) and law.gain and law.lag >= 0.0):
+    if not (
+        all(map(math.isfinite, (law.gain, law.lag, law.delay, law.square, law.cube))) and law.gain and law.lag >= 0.0
+    ):
         raise InputError(
             f"{place}: with {given} the sensor has the gain {law.gain:g}, the lag {law.lag:g} s and the delay "
             f"{law.delay:g} s. Narrow the bounds, or correct the law: no gain of 0, no negative lag."

@@ -1,4 +1,4 @@
-"""What lies between the ball and the position as it is recorded: scale, lag, delay."""
+"""What lies between the ball and the position as it is recorded: scale, curve, lag, delay."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analytic.motion import FloatArray
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """The position's way into the record: a first-order lag, then a factor, then a delay.
+    """The position's way into the record: a first-order lag, then a factor and a curve, then a delay.
 
     A negative delay cannot hold back the position: it holds back the angle beside it.
 
@@ -21,6 +21,7 @@ class Channel:
         gain: recorded position per position [1].
         time_constant: τ of the lag, τ ẏ = s − y [s].
         delay: the position at t is recorded at t + delay [s].
+        square, cube: gain (y + square y² + cube y³) is recorded of a position y [1/m, 1/m²].
 
     Raises:
         ValueError: a value is out of its range.
@@ -29,12 +30,17 @@ class Channel:
     gain: float = 1.0
     time_constant: float = 0.0
     delay: float = 0.0
+    square: float = 0.0
+    cube: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0.0 < self.gain < math.inf:
             raise ValueError(f"gain is {self.gain}; it must be positive")
         if not 0.0 <= self.time_constant < math.inf:
             raise ValueError(f"time_constant is {self.time_constant}; it must be finite and not negative")
+        for name, value in (("square", self.square), ("cube", self.cube)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} is {value}; it must be finite")
         if not math.isfinite(self.delay):
             raise ValueError(f"delay is {self.delay}; it must be finite")
 
@@ -63,7 +69,8 @@ class Channel:
         before = np.minimum((places + 1e-9).astype(np.int64), seen.size - 1)  # an instant met to rounding is met
         part = np.maximum(places - before, 0.0) * (places - before > 1e-8)
         after = np.minimum(before + 1, seen.size - 1)
-        return self.gain * (seen[before] + part * (seen[after] - seen[before]))
+        held = seen[before] + part * (seen[after] - seen[before])
+        return self.gain * held * (1.0 + held * (self.square + held * self.cube))
 
     def beside(self, angle: FloatArray, dt: float, at: FloatArray) -> FloatArray:
         """The angle that is recorded beside the position: late by −delay where that is positive.

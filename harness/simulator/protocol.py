@@ -55,7 +55,11 @@ class Sensors:
         """
         law, channel = sensor_with(listed(checked(effects))), self.channel
         channel = Channel(
-            gain=channel.gain * law.gain, time_constant=channel.time_constant + law.lag, delay=channel.delay + law.delay
+            gain=channel.gain * law.gain,
+            time_constant=channel.time_constant + law.lag,
+            delay=channel.delay + law.delay,
+            square=channel.square + law.square,
+            cube=channel.cube + law.cube,
         )
         return replace(self, channel=channel)
 

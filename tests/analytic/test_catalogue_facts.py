@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
@@ -41,7 +43,7 @@ def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> Flo
     p = parameters_with(CAM, RIG, effects, phase=0.4)
     p[ORIGIN] = 0.2
     gains, sensor = transmission_with(effects), sensor_with(effects)
-    fixed = [p[TRACTION], p[DAHL], gains.gain, gains.play, sensor.gain, sensor.lag, sensor.delay]
+    fixed = [p[TRACTION], p[DAHL], gains.gain, gains.play, *astuple(sensor)]
     fixed += [rig_with(RIG, effects).rolling_ratio, rig_with(RIG, effects).lever]
     laws = [
         (acceleration(*at, p), *(dry_limit(at[0], at[1], towards, *at[2:], p) for towards in (1.0, -1.0)))

@@ -147,3 +147,15 @@ def test_lagging_sensor_follows_a_ramp_behind_by_its_time_constant() -> None:
     assert after[0] == ramp[301]
     lost = 0.2 * constant * (1.0 - np.exp(-(TIME[301:] - TIME[301]) / constant))
     np.testing.assert_allclose(after, ramp[301:] - lost, rtol=0.0, atol=1e-13)
+
+
+def test_a_sensor_with_a_curve_records_a_cubic() -> None:
+    """Record gain (s + a s² + b s³) with its slope, and find the position of which that was recorded."""
+    curve, gain = acting("position_nonlinearity", {"square": 0.3, "cube": -0.2}), acting("position_gain", {"gain": 0.9})
+    law = sensor_with([curve, gain])
+    s = np.linspace(-0.3, 0.6, 91)
+    expected = 0.9 * (s + 0.3 * s**2 - 0.2 * s**3)
+    np.testing.assert_allclose(law.recorded(s, s), expected, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(law.slope(s), 0.9 * (1.0 + 0.6 * s - 0.6 * s**2), rtol=1e-14)
+    np.testing.assert_allclose(law.position(expected), s, rtol=0.0, atol=1e-14)
+    assert law.behind(SensorLaw(square=0.1)).square == pytest.approx(0.4)

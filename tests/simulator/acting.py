@@ -32,6 +32,7 @@ EACH: dict[str, dict[str, float]] = {
     "beam_compliance": {"compliance": 0.02},
     "channel_delay": {"delay": 0.06},
     "position_gain": {"gain": 1.03},
+    "position_nonlinearity": {"square": 0.2, "cube": -0.1},
     "position_lag": {"time_constant": 0.08},
     "presliding_hysteresis": {"coefficient": 0.004, "stiffness": 50.0},
     "eccentric_pivot": {"eccentricity": 0.1},

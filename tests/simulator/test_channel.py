@@ -71,6 +71,13 @@ def test_gain_scales_the_record_only() -> None:
     np.testing.assert_allclose(written.position, 1.03 * run.position[::100], rtol=0.0, atol=1e-12)
 
 
+def test_curve_bends_the_record_only() -> None:
+    """Record s + 0.2 s² − 0.1 s³, while the ball is where it is."""
+    run, written = performed("position_nonlinearity", square=0.2, cube=-0.1)
+    s = run.position[::100]
+    np.testing.assert_allclose(written.position, s + 0.2 * s**2 - 0.1 * s**3, rtol=0.0, atol=1e-12)
+
+
 def test_lag_obeys_its_equation() -> None:
     """Follow τ ẏ = s − y from y(0) = s(0), whose solution for s = a sin ω t is closed."""
     tau, omega = 0.08, 4.0
@@ -108,7 +115,9 @@ def test_channel_leaves_the_ball_alone() -> None:
         np.testing.assert_array_equal(run.position, simulate(Plant(), Sines(), State(0.3, 0.0), 1.0).position)
 
 
-@pytest.mark.parametrize("wrong", [{"gain": 0.0}, {"time_constant": -1.0}, {"delay": np.inf}])
+@pytest.mark.parametrize(
+    "wrong", [{"gain": 0.0}, {"time_constant": -1.0}, {"delay": np.inf}, {"square": np.nan}, {"cube": np.inf}]
+)
 def test_impossible_channel_is_refused(wrong: dict[str, float]) -> None:
     """Refuse a channel that cannot exist, naming the quantity."""
     with pytest.raises(ValueError, match=next(iter(wrong))):

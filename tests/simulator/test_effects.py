@@ -37,6 +37,7 @@ PUBLISHED = {
     "beam_compliance": ["compliance"],
     "channel_delay": ["delay"],
     "position_gain": ["gain"],
+    "position_nonlinearity": ["square", "cube"],
     "position_lag": ["time_constant"],
     "presliding_hysteresis": ["coefficient", "stiffness"],
     "eccentric_pivot": ["eccentricity"],

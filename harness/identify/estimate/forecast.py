@@ -52,7 +52,7 @@ def forecast(
     The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit.
     """
     best = filtered(problem, found, recording, reading)
-    variance = best.position_variance * best.gain**2
+    variance = best.recorded_variance
     count = len(found.theta)
     if count:
         scale = found.hypothesis.scale(problem)

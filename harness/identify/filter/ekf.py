@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
+from analytic.effects.sensor_law import lies, measured
 from analytic.motion import FloatArray
 from analytic.slots import DAHL, TRACTION
 from analytic.step import advance
@@ -52,11 +53,16 @@ class BeamTable(NamedTuple):
 
 
 class Sensor(NamedTuple):
-    """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²]."""
+    """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²], curve [1/m, 1/m²].
+
+    It measures h(s) = gain (s + square s² + cube s³).
+    """
 
     gain: float
     lag: float
     reading_variance: float
+    square: float = 0.0
+    cube: float = 0.0
 
 
 class FilterOutput(NamedTuple):
@@ -114,7 +120,7 @@ def _two_states(
     """
     time, position = readings.time, readings.position
     steps, marks, table = beam.steps, beam.marks, beam.table
-    gain, reading_variance = sensor.gain, sensor.reading_variance
+    reading_variance = sensor.reading_variance
     s = v = a = m = d = 0.0
     begun = False
     for k in range(len(time)):
@@ -135,15 +141,18 @@ def _two_states(
             d = pairs / a + 0.25 * process_noise * dt
         if not math.isnan(position[k]):
             if begun:
-                e, S = position[k] - gain * s, gain * gain * a + reading_variance
+                expected, slope = measured(s, sensor.gain, sensor.square, sensor.cube)
+                e, S = position[k] - expected, slope * slope * a + reading_variance
                 out.innovation[k], out.innovation_variance[k] = e, S
                 S_weighted, R_weighted = _weighted(e, S, reading_variance)
-                correction = gain * a / S_weighted * e
+                correction = slope * a / S_weighted * e
                 s += correction
                 v += m * correction
                 a *= R_weighted / S_weighted
             else:
-                s, v, a, m, d = position[k] / gain, 0.0, reading_variance / gain**2, 0.0, _VELOCITY_VARIANCE
+                s = lies(position[k], sensor.gain, sensor.square, sensor.cube)
+                _, slope = measured(s, sensor.gain, sensor.square, sensor.cube)
+                v, a, m, d = 0.0, reading_variance / slope**2, 0.0, _VELOCITY_VARIANCE
                 begun = True
         out.state[k, 0], out.state[k, 1], out.state[k, 2], out.state[k, 3] = s, v, 0.0, s
         out.position_variance[k] = a
@@ -159,7 +168,7 @@ def _any_state(
     multiplies the first column of L by √(R'/S') and leaves the others unchanged.
     """
     time, position = readings.time, readings.position
-    gain, lag, reading_variance = sensor.gain, sensor.lag, sensor.reading_variance
+    lag, reading_variance = sensor.lag, sensor.reading_variance
     slips = p[TRACTION] != 0.0
     states = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # in the order of L
     sensed, size = states[0], len(states)
@@ -190,20 +199,22 @@ def _any_state(
             _propagate(F, L, M)
         if not math.isnan(position[k]):
             if begun:
-                e, S = position[k] - gain * x[sensed], gain * gain * L[0, 0] ** 2 + reading_variance
+                expected, slope = measured(x[sensed], sensor.gain, sensor.square, sensor.cube)
+                e, S = position[k] - expected, slope * slope * L[0, 0] ** 2 + reading_variance
                 out.innovation[k], out.innovation_variance[k] = e, S
                 S_weighted, R_weighted = _weighted(e, S, reading_variance)
-                correction, shrink = gain * L[0, 0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
+                correction, shrink = slope * L[0, 0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
                 for i in range(size):
                     x[states[i]] += L[i, 0] * correction
                     L[i, 0] *= shrink
             else:
-                x[0] = x[3] = position[k] / gain
+                x[0] = x[3] = lies(position[k], sensor.gain, sensor.square, sensor.cube)
+                _, slope = measured(x[0], sensor.gain, sensor.square, sensor.cube)
                 for i in range(size):
                     if states[i] == 1:
                         L[i, i] = math.sqrt(_VELOCITY_VARIANCE)
                     elif states[i] != 2:
-                        L[i, 0] = math.sqrt(reading_variance) / gain
+                        L[i, 0] = math.sqrt(reading_variance) / slope
                 begun = True
         out.state[k], out.position_variance[k] = x, L[0, 0] ** 2
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.effects import parameters_with
+from analytic.effects import SensorLaw, parameters_with
 from analytic.motion import FloatArray
 from analytic.slots import ORIGIN
 from harness.identify.filter.ekf import (
@@ -22,19 +22,27 @@ from harness.identify.problem.problem import PreparedRecording, Problem, filtere
 
 @dataclass(frozen=True)
 class FilterRun:
-    """The filter's output for a recording (`FilterOutput`), with gain [1] and lag [s] of the sensor."""
+    """The filter's output for a recording (`FilterOutput`), with the law of the sensor."""
 
     innovation: FloatArray
     innovation_variance: FloatArray
     state: FloatArray
     position_variance: FloatArray
-    gain: float
-    lag: float
+    sensor: SensorLaw
 
     @property
     def recorded(self) -> FloatArray:
         """Sensor output for the filtered state, shape (n,) [m]."""
-        return self.gain * self.state[:, 3 if self.lag > 0.0 else 0]
+        return self.sensor.curve(self._sensed)
+
+    @property
+    def recorded_variance(self) -> FloatArray:
+        """Its variance, without that of a reading, shape (n,) [m²]."""
+        return self.position_variance * self.sensor.slope(self._sensed) ** 2
+
+    @property
+    def _sensed(self) -> FloatArray:
+        return self.state[:, 3 if self.sensor.lag > 0.0 else 0]
 
 
 def dynamics(problem: Problem, recording: PreparedRecording, added: Terms, own: Own) -> tuple[FloatArray, FloatArray]:
@@ -46,7 +54,7 @@ def dynamics(problem: Problem, recording: PreparedRecording, added: Terms, own: 
     """
     effects = (*problem.declared, *added.effects_in(own))
     p = parameters_with(problem.model, problem.rig, effects, phase=own.phase)
-    p[ORIGIN] = recording.origin / problem.sensor(added.effects)[0]
+    p[ORIGIN] = float(problem.sensor(added.effects).position(np.array(recording.origin)))
     table = recording.table_with(effects)
     if added.spline is not None:
         added.spline.write(p, own.phase)
@@ -71,15 +79,12 @@ def run_filter(
         own: what the recording has of its own; by default what the terms say.
         reading: readings in place of the recording's, shape (n,), NaN where missing [m].
     """
-    gain, lag = problem.sensor(added.effects)
+    law = problem.sensor(added.effects)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
     readings = Readings(recording.time, recording.reading if reading is None else reading)
     beam = BeamTable(recording.grid.steps, recording.grid.marks, table)
-    return FilterRun(
-        *extended_kalman_filter(readings, beam, p, Sensor(gain, lag, problem.reading_variance), process_noise),
-        gain,
-        lag,
-    )
+    sensor = Sensor(law.gain, law.lag, problem.reading_variance, law.square, law.cube)
+    return FilterRun(*extended_kalman_filter(readings, beam, p, sensor, process_noise), law)
 
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, motion_with, sensor_with
+from analytic.effects import Acting, SensorLaw, motion_with, sensor_with
 from analytic.kernel import Grid
 from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray
@@ -136,7 +136,6 @@ class Problem:
                 process_noises.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
         return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(process_noises)))
 
-    def sensor(self, effects: Sequence[Acting]) -> tuple[float, float]:
-        """Gain [1] and lag [s] of the position sensor with the known effects and `effects`."""
-        law = sensor_with((*self.declared, *effects))
-        return law.gain, law.lag
+    def sensor(self, effects: Sequence[Acting]) -> SensorLaw:
+        """The position sensor with the known effects and `effects`."""
+        return sensor_with((*self.declared, *effects))

@@ -5,14 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from analytic.effects import rig_with, sensor_with
+from analytic.effects import SensorLaw, rig_with, sensor_with
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
@@ -156,9 +155,8 @@ class _Scene:
         self.problem, self.found, self.recording = problem, found, recording
         own = own_of(problem, found, recording, recording.reading)
         self.effects = (*problem.declared, *found.terms.effects_in(own))
-        gain = problem.sensor(found.terms.effects)[0]
         self.rig: Rig = rig_with(problem.rig, self.effects)
-        self.origin = recording.origin / gain
+        self.origin = float(problem.sensor(found.terms.effects).position(np.array(recording.origin)))
         spline = found.terms.spline
         self.law = None if spline is None else _law(spline, own.phase, problem.rig.gravity)
         self.phase = own.phase
@@ -214,9 +212,10 @@ class _Scene:
         if not np.isfinite(run.trajectory.position).all():
             bad = float(at[np.argmin(np.isfinite(run.trajectory.position))])
             raise EngineFailure(self.engine.name, Failure.NOT_FINITE, bad, Failure.NOT_FINITE.value)
-        recorded = replace(self.sensor, delay=0.0).recorded(at, run.trajectory.position)
-        if out.lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
-            recorded = recorded + out.gain * (lagging - s) * np.exp(-(at - at[0]) / out.lag)
+        position, lag = run.trajectory.position, self.sensor.lag
+        if lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
+            position = SensorLaw(lag=lag).recorded(at, position) + (lagging - s) * np.exp(-(at - at[0]) / lag)
+        recorded = self.sensor.curve(position)
         result = np.full(len(stamps), np.nan)
         result[inside] = recorded
         return result

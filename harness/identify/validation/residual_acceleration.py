@@ -73,13 +73,16 @@ def _acceleration(
 ) -> FloatArray:
     """Modelled acceleration along the measured path, as recorded by the sensor, shape (n,) [m/s²]."""
     p, table = dynamics(problem, recording, added, added.own_of(recording.name))
-    gain, lag = problem.sensor(added.effects)
+    sensor = problem.sensor(added.effects)
+    position = sensor.position(ball.position)
+    velocity = ball.velocity / sensor.slope(position)
     out = np.empty(len(recording.time))
-    _along(ball.position / gain, ball.velocity / gain, recording.grid.steps, recording.grid.marks, table, p, out)
-    # The sensor is linear and time-invariant: it acts on the acceleration as on the position.
-    if lag > 0.0:
-        out = SensorLaw(lag=lag).recorded(recording.time, out)
-    return gain * out
+    _along(position, velocity, recording.grid.steps, recording.grid.marks, table, p, out)
+    # A lag is linear and time-invariant: it acts on the acceleration as on the position.
+    if sensor.lag > 0.0:
+        out = SensorLaw(lag=sensor.lag).recorded(recording.time, out)
+    bent = sensor.gain * (2.0 * sensor.square + 6.0 * sensor.cube * position)
+    return sensor.slope(position) * out + bent * velocity**2
 
 
 @njit(cache=True, nogil=True)

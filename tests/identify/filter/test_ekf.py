@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from analytic.effects import Acting, acting
+from analytic.effects import Acting, SensorLaw, acting
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import fit
 from harness.identify.filter.ekf import (
@@ -25,7 +26,7 @@ from harness.identify.filter.ekf import (
 )
 from harness.identify.filter.run import dynamics, run_filter
 from harness.identify.pose import problem_of
-from harness.identify.problem.hypothesis import Hypothesis, Terms
+from harness.identify.problem.hypothesis import Hypothesis, Own, Terms
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
 from harness.recording import load_case
@@ -33,14 +34,20 @@ from harness.simulator import Experiment, write_case
 from tests.posed import Posed, pose
 
 
-def run(posed: Posed, effects: dict[str, dict[str, float]], general: bool, gain: float = 1.0) -> FilterOutput:
+def run(
+    posed: Posed,
+    effects: dict[str, dict[str, float]],
+    general: bool,
+    gain: float = 1.0,
+    curve: tuple[float, float] = (0.0, 0.0),
+) -> FilterOutput:
     """The first recording through one form of the filter, with a gap of 1 s and a reading that is 20 mm off."""
     problem, record = posed.problem, posed.problem.recordings[0]
     p, table = dynamics(
         problem,
         record,
         Terms((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None),
-        0.0,
+        Own(),
     )
     reading = record.reading.copy()
     reading[:3], reading[400:500] = np.nan, np.nan
@@ -49,17 +56,17 @@ def run(posed: Posed, effects: dict[str, dict[str, float]], general: bool, gain:
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     form = _any_state if general else _two_states
-    form(Readings(record.time, reading), beam, p, Sensor(gain, 0.0, problem.reading_variance), 1e-7, out)
+    form(Readings(record.time, reading), beam, p, Sensor(gain, 0.0, problem.reading_variance, *curve), 1e-7, out)
     return out
 
 
-@pytest.mark.parametrize("gain", [1.0, 0.95])
+@pytest.mark.parametrize(("gain", "curve"), [(1.0, (0.0, 0.0)), (0.95, (0.0, 0.0)), (0.95, (0.2, -0.1))])
 @pytest.mark.parametrize("effects", [{}, {"viscous_damping": {"coefficient": 0.05}, "level_error": {"angle": 0.003}}])
 def test_the_fast_filter_equals_its_general_twin(
-    plain: Posed, effects: dict[str, dict[str, float]], gain: float
+    plain: Posed, effects: dict[str, dict[str, float]], gain: float, curve: tuple[float, float]
 ) -> None:
     """Give the same innovations, variances and states as the filter for any state, over gaps and spikes too."""
-    fast, slow = (run(plain, effects, general, gain) for general in (False, True))
+    fast, slow = (run(plain, effects, general, gain, curve) for general in (False, True))
     # How operations are grouped, fused or vectorised differs between the forms and between processors; it moves each
     # position by a rounding, eps |s|/2, and the Jacobian divides the difference of two of them by its nudge of 1e-6.
     # At worst all of these add up while the filter remembers, which it does for (R Δt/q)^(1/4) = 0.3 s beside the gap
@@ -88,6 +95,20 @@ def test_a_spike_takes_off_the_covariance_what_it_weighs(plain: Posed, general: 
     )
 
 
+@pytest.mark.parametrize("general", [False, True])
+def test_a_curved_sensor_is_read_as_its_inverse_reads(plain: Posed, general: bool) -> None:
+    """Filter readings bent by a curve as the straight ones, but for the noise that it stretches too."""
+    record, law = plain.problem.recordings[0], SensorLaw(square=0.1, cube=0.1)
+    bent = replace(record, reading=law.curve(record.reading))
+    posed = replace(plain, problem=replace(plain.problem, recordings=(bent,)))
+    use = np.r_[10:400, 600:690, 800 : len(record.time)]  # neither the gap nor the reading that is 20 mm off
+    straight, curved = run(plain, {}, general), run(posed, {}, general, curve=(0.1, 0.1))
+    # The slope of the curve, up to 1.2, stretches noise of 0.3 mm: readings then weigh up to a half more, which moves
+    # the filtered position by less than that noise.
+    assert np.max(np.abs(straight.state[use, 0] - curved.state[use, 0])) < 0.5e-3
+    assert np.max(np.abs(law.curve(straight.state[use, 0]) - straight.state[use, 0])) > 10e-3
+
+
 @pytest.mark.parametrize(
     "effects",
     [
@@ -103,14 +124,14 @@ def test_no_variance_is_ever_negative(plain: Posed, effects: dict[str, dict[str,
     """Keep variances positive whatever the noise, over spikes, gaps and a ball that stops or slides."""
     problem, record = plain.problem, plain.problem.recordings[0]
     acts = [acting(name, values) for name, values in effects.items()]
-    p, table = dynamics(problem, record, Terms((), tuple(acts), np.zeros(0), None), 0.0)
+    p, table = dynamics(problem, record, Terms((), tuple(acts), np.zeros(0), None), Own())
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     generator = np.random.default_rng(0)
     for reading_variance in (1e-20, 1e-7, 1.0):
         for process_noise in (1e-20, 1e-7, 1.0):
             position = record.reading + np.where(generator.random(len(record.time)) < 0.05, 10.0, 0.0)
             position[200:900] = np.nan
-            sensor = Sensor(1.0, problem.sensor(acts)[1], reading_variance)
+            sensor = Sensor(1.0, problem.sensor(acts).lag, reading_variance)
             out = extended_kalman_filter(Readings(record.time, position), beam, p, sensor, process_noise)
             assert np.all(out.innovation_variance >= reading_variance)
             assert np.all(out.position_variance >= 0.0)
