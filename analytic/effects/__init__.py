@@ -11,7 +11,7 @@ from analytic.effects.catalogue import (
     sensor_with,
     transmission_with,
 )
-from analytic.effects.drive import ANGLE_GAIN, ANGLE_LAG, LINKAGE_BACKLASH
+from analytic.effects.drive import ANGLE_GAIN, ANGLE_HOLD, ANGLE_LAG, ANGLE_NONLINEARITY, LINKAGE_BACKLASH
 from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission
 from analytic.effects.force import EffectError, Force
 from analytic.effects.parameter import Parameter
@@ -36,7 +36,9 @@ from analytic.effects.track import (
 
 __all__ = [
     "ANGLE_GAIN",
+    "ANGLE_HOLD",
     "ANGLE_LAG",
+    "ANGLE_NONLINEARITY",
     "BALL_IMBALANCE",
     "BEAM_COMPLIANCE",
     "CATALOGUE",

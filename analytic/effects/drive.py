@@ -1,4 +1,4 @@
-"""Effects between the measured angle and the beam's: a gain error, backlash, a lag."""
+"""Effects between the measured angle and the beam's: a gain error, a curve, backlash, steps, a lag."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.compiled import njit
 from analytic.effects.effect import Effect, Relations, Transmission
-from analytic.effects.following import lagged
+from analytic.effects.following import CurvedMotion, held, lagged
 from analytic.effects.parameter import Parameter
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
@@ -104,5 +104,28 @@ ANGLE_LAG = Effect(
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
     relations=Relations(once=True),
 )
+ANGLE_NONLINEARITY = Effect(
+    "angle_nonlinearity",
+    "beam angle = α + square α² + cube α³ of the measured angle α",
+    # within ±0.25 rad, which the paper's beam turns, it takes less than all of the slope
+    (
+        Parameter("square", "1/rad", -1.0, 1.0, 0.5, starts=(0.0,), strength=True),
+        Parameter("cube", "1/rad²", -2.5, 10.0, 5.0, starts=(0.0,), strength=True),
+    ),
+    "geometry of a crank linkage or a servo horn, to third order",
+    turn=lambda motion, stamps, values: CurvedMotion(motion, values["square"], values["cube"]),
+    phrase="a curve between measured and real beam angle of {square} α² and {cube} α³",
+    relations=Relations(once=True),
+)
+ANGLE_HOLD = Effect(
+    "angle_hold",
+    "beam = mean of the angle over the last T: of a beam, or command, held in steps of T; T/2 late, and smoother",
+    # beyond steps of 0.5 s a beam is not driven, but put
+    (Parameter("interval", "s", 0.0, 0.5, 0.1, starts=(0.05,), strength=True, shown=("ms", 1e3)),),
+    "zero-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, 1998, chapter 4",
+    turn=lambda motion, stamps, values: held(motion, stamps, values["interval"]),
+    phrase="a beam that holds its angle in steps of {interval}",
+    relations=Relations(once=True),
+)
 
-DRIVE = (ANGLE_GAIN, LINKAGE_BACKLASH, ANGLE_LAG)
+DRIVE = (ANGLE_GAIN, ANGLE_NONLINEARITY, LINKAGE_BACKLASH, ANGLE_HOLD, ANGLE_LAG)

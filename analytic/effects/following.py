@@ -1,4 +1,4 @@
-"""Beam motions that follow a measured one with a first-order lag."""
+"""Beam motions that follow a measured one: with a first-order lag, on the mean of steps, along a curve."""
 
 from __future__ import annotations
 
@@ -109,3 +109,68 @@ def _fade(jumps: FloatArray, rests: FloatArray, left: FloatArray) -> None:
 def lagged(motion: BeamMotion, stamps: FloatArray, constant: float) -> BeamMotion:
     """The motion of a beam that follows `motion`, taken at `stamps`, shape (n,) [s], with the lag `constant` [s]."""
     return motion if constant < _LEAST else LaggedMotion(through(motion, stamps), constant)
+
+
+@dataclass(frozen=True)
+class HeldMotion:
+    """The mean of a motion of quintics over the last `interval`: β(t) = (1/T) ∫ α dτ from t − T to t.
+
+    Before the first stamp α went on at that stamp's rate; outside the stamps β keeps its values at their ends.
+
+    Attributes:
+        base: α.
+        interval: T [s].
+    """
+
+    base: QuinticMotion
+    interval: float
+
+    def _primitive(self, time: FloatArray, order: int) -> FloatArray:
+        """∫ α dt from the first stamp on and its derivatives, also before it."""
+        begin, (angle, rate, _) = self.base.time[0], self.base.states[0]
+        early = np.minimum(time - begin, 0.0)
+        known = np.maximum(time, begin)
+        if order == 0:
+            return self.base.integral(known) + early * (angle + 0.5 * rate * early)
+        inside = self.base.spline(known, order - 1)
+        return inside + rate * early if order == 1 else inside
+
+    def _at(self, time: FloatArray, order: int) -> FloatArray:
+        now = np.clip(time, self.base.time[0], self.base.time[-1])
+        return (self._primitive(now, order) - self._primitive(now - self.interval, order)) / self.interval
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """β [rad] at `time` [s], same shape."""
+        return self._at(time, 0)
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """β̇ [rad/s] or β̈ [rad/s²] at `time` [s], same shape."""
+        return self._at(time, order)
+
+
+def held(motion: BeamMotion, stamps: FloatArray, interval: float) -> BeamMotion:
+    """The mean motion of a beam that takes `motion`, at `stamps`, shape (n,) [s], in steps of `interval` [s]."""
+    return motion if interval < _LEAST else HeldMotion(through(motion, stamps), interval)
+
+
+@dataclass(frozen=True)
+class CurvedMotion:
+    """β = α + `square` α² + `cube` α³ of another beam motion α [rad]."""
+
+    base: BeamMotion
+    square: float
+    cube: float
+
+    def evaluate(self, time: FloatArray) -> FloatArray:
+        """β [rad] at `time` [s], same shape."""
+        angle = self.base.evaluate(time)
+        return angle * (1.0 + angle * (self.square + angle * self.cube))
+
+    def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
+        """β̇ [rad/s] or β̈ [rad/s²] at `time` [s], same shape."""
+        angle = self.base.evaluate(time)
+        slope = 1.0 + angle * (2.0 * self.square + 3.0 * self.cube * angle)
+        if order == 1:
+            return slope * self.base.derivative(time)
+        bend = 2.0 * self.square + 6.0 * self.cube * angle
+        return slope * self.base.derivative(time, 2) + bend * self.base.derivative(time) ** 2

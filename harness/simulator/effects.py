@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from analytic.effects import (
+    ANGLE_HOLD,
     ANGLE_LAG,
+    ANGLE_NONLINEARITY,
     CATALOGUE,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
@@ -106,6 +108,8 @@ _OF_THE_PLANT = (
     ECCENTRIC_PIVOT,
     ROLLING_RESISTANCE,
     CONTACT_SLIP,
+    ANGLE_NONLINEARITY,
+    ANGLE_HOLD,
     ANGLE_LAG,
     LEVEL_DRIFT,
     LEVEL_PER_RECORDING,

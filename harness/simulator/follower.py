@@ -1,9 +1,11 @@
-"""What the beam does behind its linkage: it follows with a lag, on a support that tilts."""
+"""What the beam does behind its linkage: along a curve, in steps, with a lag, on a support that tilts."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
@@ -11,11 +13,15 @@ from analytic.motion import FloatArray
 
 @dataclass(frozen=True, kw_only=True)
 class Follower:
-    """T β̇ + β = θ, θ what the linkage asks of the beam; before the run it turned at the rate of its first instant.
+    """T β̇ + β = mean of θ + a θ² + b θ³ over the last hold, θ what the linkage asks of the beam.
 
+    Before the run the beam turned at the rate of its first instant. The jumps of a beam that is held in steps would
+    throw the ball off its edges; a real beam, which does not jump, takes the mean of them.
     The support, level at first, tilts with all that stands on it: the beam turns by `drift` besides.
 
     Attributes:
+        square, cube: a, b [1/rad, 1/rad²].
+        hold: length of the steps [s].
         lag: T [s].
         drift: of the support [rad/s].
 
@@ -23,14 +29,19 @@ class Follower:
         ValueError: a value is out of its range.
     """
 
+    square: float = 0.0
+    cube: float = 0.0
+    hold: float = 0.0
     lag: float = 0.0
     drift: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.lag < math.inf:
-            raise ValueError(f"lag is {self.lag}; it must be finite and not negative")
-        if not math.isfinite(self.drift):
-            raise ValueError(f"drift is {self.drift}; it must be finite")
+        for name in ("hold", "lag"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ValueError(f"{name} is {getattr(self, name)}; it must be finite and not negative")
+        for name in ("square", "cube", "drift"):
+            if not math.isfinite(getattr(self, name)):
+                raise ValueError(f"{name} is {getattr(self, name)}; it must be finite")
 
     @property
     def rigid(self) -> bool:
@@ -45,7 +56,49 @@ class Follower:
             beam: β, β̇, β̈, filled, shape (3, n).
             dt: distance of the instants [s].
         """
-        _follow(asked, beam, dt, self.lag, self.drift, first, last)
+        reach = asked[:, : last + 1]
+        if self.square != 0.0 or self.cube != 0.0:
+            reach = _bent(reach, self.square, self.cube)
+        if self.hold > 0.0:
+            reach = _mean(reach, dt, self.hold, max(first - 1, 0))
+        _follow(reach, beam, dt, self.lag, self.drift, first, last)
+
+
+def _bent(asked: FloatArray, square: float, cube: float) -> FloatArray:
+    """θ + a θ² + b θ³ with its rates, shape (3, n), of θ with its rates."""
+    angle, rate, acceleration = asked
+    slope, bend = 1.0 + 2.0 * square * angle + 3.0 * cube * angle**2, 2.0 * square + 6.0 * cube * angle
+    bent = angle + square * angle**2 + cube * angle**3
+    return np.stack((bent, slope * rate, slope * acceleration + bend * rate**2))
+
+
+@njit(cache=True)
+def _mean(asked: FloatArray, dt: float, hold: float, first: int) -> FloatArray:
+    """Mean of θ over the last `hold` [s] with its rates from `first` on, shape (3, n), of θ with its rates."""
+    mean = asked.copy()
+    whole = int(hold / dt)
+    part = hold / dt - whole
+    for i in range(first, asked.shape[1]):
+        total = 0.0
+        for j in range(i - whole, i):  # trapezoids, over whole steps and what is left of one before them
+            total += 0.5 * (_then(asked, 0, j, dt) + _then(asked, 0, j + 1, dt))
+        late = [0.0, 0.0]
+        for row in range(2):
+            here, before = _then(asked, row, i - whole, dt), _then(asked, row, i - whole - 1, dt)
+            late[row] = here + part * (before - here)
+        total += part * 0.5 * (_then(asked, 0, i - whole, dt) + late[0])
+        mean[0, i] = total * dt / hold
+        mean[1, i] = (asked[0, i] - late[0]) / hold
+        mean[2, i] = (asked[1, i] - late[1]) / hold
+    return mean
+
+
+@njit(cache=True, inline="always")
+def _then(asked: FloatArray, row: int, i: int, dt: float) -> float:
+    """θ or θ̇ at instant i, which may lie before the run."""
+    if i >= 0:
+        return asked[row, i]
+    return asked[0, 0] + i * dt * asked[1, 0] if row == 0 else asked[1, 0]
 
 
 @njit(cache=True)

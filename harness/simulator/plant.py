@@ -12,7 +12,9 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.effects import (
+    ANGLE_HOLD,
     ANGLE_LAG,
+    ANGLE_NONLINEARITY,
     CONTACT_SLIP,
     ECCENTRIC_PIVOT,
     LEVEL_DRIFT,
@@ -124,8 +126,12 @@ class Plant:
                 width=self.linkage.width + transmission.play,
                 play_start=play_start,
             ),
-            follower=Follower(
-                lag=self.follower.lag + value(ANGLE_LAG, 0.0), drift=self.follower.drift + value(LEVEL_DRIFT, 0.0)
+            follower=replace(
+                self.follower,
+                **effects.get(ANGLE_NONLINEARITY.name, {}),
+                hold=self.follower.hold + value(ANGLE_HOLD, 0.0),
+                lag=self.follower.lag + value(ANGLE_LAG, 0.0),
+                drift=self.follower.drift + value(LEVEL_DRIFT, 0.0),
             ),
             force=force_with(self.force, acting, turned_before),
         )

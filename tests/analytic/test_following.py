@@ -85,3 +85,47 @@ def test_a_motion_of_quintics_is_taken_as_it_is() -> None:
     np.testing.assert_allclose(other.derivative(FINE, 2), Sines().derivative(FINE, 2), rtol=0.0, atol=1e-7)
     # trapezoids of 0.2 ms of 0.05 rad at some 3 rad/s: h² ω²/12
     np.testing.assert_allclose(other.integral(FINE), integrated(FINE, other.evaluate(FINE)), rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("interval", [0.001, 0.0123, 0.3])
+def test_a_held_beam_takes_the_mean_of_the_last_interval(interval: float) -> None:
+    """Be (1/T) ∫ α over the last T, and turn by what α has changed in it over T."""
+    beam = motion_with(ROUGH, STAMPS, [acting("angle_hold", {"interval": interval})])
+    late = FINE[interval < FINE][::500]
+    for now in late:
+        inside = np.linspace(now - interval, now, 4001)
+        mean = np.trapezoid(ROUGH.evaluate(inside), inside) / interval
+        # trapezoids: h²/12 of a slope that changes by some rad/s over the interval
+        assert beam.evaluate(np.array([now]))[0] == pytest.approx(mean, abs=1e-9)
+    change = ROUGH.evaluate(late) - ROUGH.evaluate(late - interval)
+    np.testing.assert_allclose(beam.derivative(late), change / interval, rtol=0.0, atol=1e-15 / interval)
+    change = ROUGH.derivative(late) - ROUGH.derivative(late - interval)
+    np.testing.assert_allclose(beam.derivative(late, 2), change / interval, rtol=0.0, atol=1e-14 / interval)
+    # Begun as if it had always turned at the first rate: late by T/2, without a jolt.
+    assert beam.evaluate(STAMPS[:1])[0] == pytest.approx(_ANGLE[0] - 0.5 * interval * _RATE[0], rel=1e-12)
+    assert beam.derivative(STAMPS[:1])[0] == pytest.approx(_RATE[0], rel=1e-9)
+    assert beam.derivative(STAMPS[:1], 2)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_held_beam_is_late_by_half_its_interval() -> None:
+    """Answer sin ω t by sin ω (t − T/2), smaller by sin x/x with x = ω T/2; without an interval by itself."""
+    interval, omega = 0.2, 4.0
+    beam = motion_with(Sines(((0.05, omega, 0.0),)), STAMPS, [acting("angle_hold", {"interval": interval})])
+    late = FINE[FINE > 0.5]
+    x = 0.5 * omega * interval
+    expected = 0.05 * np.sin(omega * late - x) * np.sin(x) / x
+    # as of the lag above
+    np.testing.assert_allclose(beam.evaluate(late), expected, rtol=0.0, atol=4e-12)
+    assert motion_with(ROUGH, STAMPS, [acting("angle_hold", {"interval": 0.0})]) is ROUGH
+
+
+def test_a_curve_bends_angle_and_rates() -> None:
+    """Be α + a α² + b α³, with rates by the chain rule as differences show them."""
+    beam = motion_with(Sines(), STAMPS, [acting("angle_nonlinearity", {"square": 0.6, "cube": -2.0})])
+    angle = Sines().evaluate(FINE)
+    np.testing.assert_allclose(beam.evaluate(FINE), angle + 0.6 * angle**2 - 2.0 * angle**3, rtol=0.0, atol=1e-16)
+    step = 1e-5
+    for order, of in ((1, beam.evaluate), (2, beam.derivative)):
+        # central differences: h²/6 of a derivative two orders higher, rounding over h
+        slopes = (of(FINE + step) - of(FINE - step)) / (2.0 * step)
+        np.testing.assert_allclose(beam.derivative(FINE, order), slopes, rtol=0.0, atol=1e-10)

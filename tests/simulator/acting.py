@@ -28,6 +28,8 @@ EACH: dict[str, dict[str, float]] = {
     "contact_slip": {"friction_coefficient": 0.005},
     "angle_gain": {"gain": 1.05},
     "linkage_backlash": {"width": 0.0087},
+    "angle_nonlinearity": {"square": 0.6, "cube": 4.0},
+    "angle_hold": {"interval": 0.1},
     "angle_lag": {"time_constant": 0.06},
     "beam_compliance": {"compliance": 0.02},
     "channel_delay": {"delay": 0.06},

@@ -33,6 +33,8 @@ PUBLISHED = {
     "contact_slip": ["friction_coefficient"],
     "angle_gain": ["gain"],
     "linkage_backlash": ["width"],
+    "angle_nonlinearity": ["square", "cube"],
+    "angle_hold": ["interval"],
     "angle_lag": ["time_constant"],
     "beam_compliance": ["compliance"],
     "channel_delay": ["delay"],

@@ -40,7 +40,33 @@ def test_a_tilting_support_turns_the_beam_besides() -> None:
         np.testing.assert_allclose(drifting.rate - level.rate, 1e-3, rtol=0.0, atol=1e-14)
 
 
-@pytest.mark.parametrize("wrong", [{"lag": -1.0}, {"drift": np.inf}])
+@pytest.mark.parametrize("hold", [0.1, 0.12345])
+def test_steps_follow_a_sine_as_their_mean_does(hold: float) -> None:
+    """Swing late by half a step, and smaller by sin x/x, x = ω T/2; the same where a lag follows."""
+    run = moved(Follower(hold=hold))
+    x = 0.5 * OMEGA * hold
+    late = run.time > 0.5
+    expected = A * np.sin(x) / x * np.sin(OMEGA * run.time - x)
+    # trapezoids of 0.1 ms: (ω dt)²/12 of it
+    np.testing.assert_allclose(run.angle[late], expected[late], rtol=0.0, atol=1e-9)
+    rate = A * OMEGA * np.sin(x) / x * np.cos(OMEGA * run.time - x)
+    np.testing.assert_allclose(run.rate[late], rate[late], rtol=0.0, atol=1e-8)
+    lagging = moved(Follower(hold=hold, lag=0.05))
+    late = run.time > 3.0
+    phase = OMEGA * run.time - x - np.arctan(0.05 * OMEGA)
+    expected = A * np.sin(x) / x / np.hypot(1.0, 0.05 * OMEGA) * np.sin(phase)
+    np.testing.assert_allclose(lagging.angle[late], expected[late], rtol=0.0, atol=1e-9)
+
+
+def test_curve_bends_the_motion() -> None:
+    """Turn to θ + a θ² + b θ³, at the rate that follows from it."""
+    run = moved(Follower(square=0.5, cube=3.0), 1.0)
+    np.testing.assert_allclose(run.angle, run.shaft + 0.5 * run.shaft**2 + 3.0 * run.shaft**3, rtol=0.0, atol=1e-16)
+    slope = 1.0 + run.shaft + 9.0 * run.shaft**2
+    np.testing.assert_allclose(run.rate, slope * run.shaft_rate, rtol=1e-14, atol=1e-17)
+
+
+@pytest.mark.parametrize("wrong", [{"lag": -1.0}, {"drift": np.inf}, {"hold": -0.1}, {"square": np.nan}])
 def test_impossible_follower_is_refused(wrong: dict[str, float]) -> None:
     """Refuse what cannot be, naming the quantity."""
     with pytest.raises(ValueError, match=next(iter(wrong))):
