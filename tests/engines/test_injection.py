@@ -11,7 +11,7 @@ from analytic.models import CAM
 from analytic.motion import FloatArray, State
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of, parameters_of
-from harness.engines.injection import force_of
+from harness.engines.injection import force_of, motion_for_engine
 from harness.simulator import Plant, simulate
 from tests.motions import Fixed, Sines
 
@@ -79,6 +79,27 @@ def test_ball_at_rest_stays_at_rest_in_engine(name: str) -> None:
     position = in_engine(name, "rolling_resistance", {"coefficient": 0.004}, Fixed(0.0035))
     # Without friction the ball would be more than a metre away.
     assert np.ptp(position) < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("angle_nonlinearity", {"square": 0.6, "cube": 4.0}),
+        ("angle_hold", {"interval": 0.12}),
+        ("angle_lag", {"time_constant": 0.1}),
+        ("level_drift", {"rate": 5e-4}),
+    ],
+)
+def test_beam_of_the_engine_turns_as_the_independent_plants(effect: str, values: dict[str, float]) -> None:
+    """Drive the engine's beam as the virtual rig's linkage moves its own: the ball runs alike, and else elsewhere."""
+    motion = Sines()
+    truth = simulate(Plant().with_effects({effect: values}), motion, START, 10.0)
+    expected = np.interp(STAMPS, truth.time, truth.position)
+    engine = engine_of("mujoco")
+    driven = motion_for_engine([acting(effect, values)], motion, STAMPS)
+    # Each alone is within 1 µm of eq. 14; the plant takes the angle for straight within a step of 0.1 ms.
+    assert np.max(np.abs(engine.run(RIG, driven, START, STAMPS).trajectory.position - expected)) < 3e-6
+    assert np.max(np.abs(engine.run(RIG, motion, START, STAMPS).trajectory.position - expected)) > 1e-2
 
 
 def test_no_effect_is_no_force() -> None:

@@ -15,7 +15,10 @@ from harness.identify.estimate.own_values import own_of
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.record import EffectRecord
 from harness.identify.selection.candidates import candidates
+from harness.identify.selection.search import Selection
+from harness.identify.verdict import judge
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
 from harness.recording import Case, load_case
@@ -88,6 +91,21 @@ def test_what_all_recordings_share_goes_to_the_common_level(problem: Problem) ->
         level, each = one.terms.effects[0].values["angle"], one.terms.own[NAME]
         np.testing.assert_allclose(level + each, np.array(LEVELS[:3]) + common, rtol=0.0, atol=0.02 * SPREAD)
         assert np.mean(each) == pytest.approx(0.0, abs=0.02 * SPREAD)
+
+
+def test_result_has_the_level_of_every_recording(problem: Problem, found: Fit) -> None:
+    """Give the standard deviation as the effect's parameter, and each level with its interval beside it."""
+    base = fit(problem, Hypothesis(()))
+    (effect,) = judge(problem, Selection(base, found, ())).effects
+    record = EffectRecord.model_validate(effect)
+    assert list(record.parameters) == ["spread"]
+    assert list(record.by_recording) == [recording.name for recording in problem.recordings]
+    for level, one in zip(LEVELS, record.by_recording.values(), strict=False):
+        assert one.low is not None
+        assert one.high is not None
+        # the interval of two deviations, twice as wide
+        assert abs(one.value - level) < one.high - one.low
+        assert one.unit == "rad"
 
 
 def test_one_recording_cannot_differ_from_itself(problem: Problem) -> None:

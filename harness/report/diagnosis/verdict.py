@@ -89,7 +89,7 @@ def _found(account: Account) -> Table:
     rows = []
     for one in account.diagnosis.effects:
         rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
-        for key, estimate in one.parameters.items():
+        for key, estimate in (*one.parameters.items(), *one.by_recording.items()):
             value, low, high, unit = astuple(estimate)
             first = key == next(iter(one.parameters))
             head = (f"`{one.name}`", CATALOGUE[one.name].law) if first else ("", "")
