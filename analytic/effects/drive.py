@@ -107,10 +107,10 @@ ANGLE_LAG = Effect(
 ANGLE_NONLINEARITY = Effect(
     "angle_nonlinearity",
     "beam angle = α + square α² + cube α³ of the measured angle α",
-    # within ±0.25 rad, which the paper's beam turns, it takes less than all of the slope
+    # fitted so that the beam turns on with the angle within ±0.25 rad, which the paper's does
     (
-        Parameter("square", "1/rad", -1.0, 1.0, 0.5, starts=(0.0,), strength=True),
-        Parameter("cube", "1/rad²", -2.5, 10.0, 5.0, starts=(0.0,), strength=True),
+        Parameter("square", "1/rad", -1.5, 1.5, 0.4, starts=(0.0,), strength=True, fitted=lambda _, rig: (-1.0, 1.0)),
+        Parameter("cube", "1/rad²", -2.5, 10.0, 4.0, starts=(0.0,), strength=True, fitted=lambda _, rig: (-2.0, 10.0)),
     ),
     "geometry of a crank linkage or a servo horn, to third order",
     turn=lambda motion, stamps, values: CurvedMotion(motion, values["square"], values["cube"]),

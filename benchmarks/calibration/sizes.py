@@ -104,7 +104,7 @@ _OWN: Mapping[str, Scale] = {
     ANGLE_GAIN.name: Scale(middle={"gain": 1.05}, neutral=1.0, signed=True),
     # the jolt of a gap that closes throws the ball off an engine's edges
     LINKAGE_BACKLASH.name: Scale(middle={"width": 0.0087}, engines=False),
-    ANGLE_NONLINEARITY.name: Scale(middle={"square": 0.5, "cube": 5.0}),
+    ANGLE_NONLINEARITY.name: Scale(middle={"square": 0.4, "cube": 4.0}),
     ANGLE_HOLD.name: Scale(middle={"interval": 0.12}),
     ANGLE_LAG.name: Scale(middle={"time_constant": 0.08}),
     CHANNEL_DELAY.name: Scale(middle={"delay": 0.05}, signed=True),
