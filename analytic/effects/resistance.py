@@ -24,7 +24,7 @@ VISCOUS_DAMPING = Effect(
     "Stokes, Trans. Cambridge Phil. Soc. 9, 1851",
     write=adding(lambda k, rig, v: {slots.VISCOUS: k * v["coefficient"] / rig.mass}),
     phrase="a viscous damping of {coefficient}",
-    relations=Relations(nested_in=_OF_VELOCITY),
+    relations=Relations(common=True, nested_in=_OF_VELOCITY),
 )
 QUADRATIC_DRAG = Effect(
     "quadratic_drag",
@@ -43,7 +43,7 @@ ROLLING_RESISTANCE = Effect(
     write=adding(lambda k, rig, v: {slots.DRY_PLUS: v["coefficient"], slots.DRY_MINUS: v["coefficient"]}),
     dry=True,
     phrase="a rolling resistance of {coefficient}",
-    relations=Relations(nested_in=_DRY),
+    relations=Relations(common=True, nested_in=_DRY),
 )
 DIRECTIONAL_RESISTANCE = Effect(
     "directional_resistance",

@@ -17,6 +17,7 @@ CHANNEL_DELAY = Effect(
     "transport delay",
     sensor=lambda values: SensorLaw(delay=values["delay"]),
     phrase="a delay of {delay} of the position against the angle",
+    relations=Relations(common=True),
     engine=EngineEntry("sensor side: the stamps at which the ball is read"),
 )
 POSITION_GAIN = Effect(

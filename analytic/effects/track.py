@@ -87,7 +87,7 @@ BEAM_COMPLIANCE = Effect(
     "Timoshenko, Strength of Materials, 1930: end rotation under a moment",
     write=adding(lambda k, rig, v: {slots.COMPLIANCE: v["compliance"] * rig.mass * rig.gravity}),
     phrase="a beam compliance of {compliance}",
-    relations=Relations(nested_in=_OF_POSITION),
+    relations=Relations(common=True, nested_in=_OF_POSITION),
 )
 TRACK_CURVATURE = Effect(
     "track_curvature",

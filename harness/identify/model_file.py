@@ -9,7 +9,7 @@ import numpy as np
 from analytic.effects import CATALOGUE, acting
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import SplineTerm
@@ -31,6 +31,8 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         phases=len(problem.recordings),
         covariance=tuple(map(tuple, found.covariance.tolist())),
         process_noise_m2_s3=found.process_noise,
+        estimator=found.estimator.value,
+        band=found.band,
         reading_variance_m2=problem.reading_variance,
     )
 
@@ -70,6 +72,8 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
             np.nan,
             covariance,
             problem.readings,
+            estimator=Estimator(kept.estimator),
+            band=kept.band,
         )
     except (IndexError, ValueError) as error:
         raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error

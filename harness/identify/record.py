@@ -21,6 +21,7 @@ FILE = "diagnosis.json"
 SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
+EstimatorName = Literal["likelihood", "free_runs"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -220,6 +221,8 @@ class FitRecord(Part):
     """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion.
 
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
+    `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated; errors exceeded the
+    foreseen standard deviations by the factor `band`.
     """
 
     effects: tuple[FittedEffect, ...]
@@ -229,6 +232,9 @@ class FitRecord(Part):
     deviance: Number
     criterion: Number
     abandoned: bool = False
+    estimator: EstimatorName = "likelihood"
+    held_out_m: tuple[Number, ...] = ()
+    band: Finite = 1.0
 
 
 class SourcesRecord(Part):
@@ -301,6 +307,8 @@ class ModelRecord(Part):
     phases: int = Field(ge=1)
     covariance: tuple[tuple[Number, ...], ...]
     process_noise_m2_s3: Finite
+    estimator: EstimatorName = "likelihood"
+    band: Finite = 1.0
     reading_variance_m2: Finite
 
 

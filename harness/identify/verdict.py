@@ -142,7 +142,7 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
     parameters = {}
     for parameter in acting.effect.parameters:
         value = acting.values[parameter.name]
-        half = TWO_SIDED * problem.settings.inflation * float(deviations[name, parameter.name])
+        half = TWO_SIDED * found.inflation(problem.settings) * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
     rivals = _rivals(name, found, ledger, Criterion(problem.settings))
     return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), _by_recording(problem, acting.effect, found))
@@ -183,7 +183,7 @@ def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> t
         if effect is None:
             continue
         main = effect.parameters[0]
-        error = problem.settings.inflation * line.fit.deviations()[name, main.name]
+        error = line.fit.inflation(problem.settings) * line.fit.deviations()[name, main.name]
         limit = criterion.detection_limit(line.fit.readings, len(effect.parameters))
         if not error or main.size(problem.rig) / error < limit:
             unseen.append(name)

@@ -52,6 +52,15 @@ class Margin:
         return self.low > 0.0
 
 
+def mean_reduction(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margin:
+    """By how much the mean of `after` is less than that of `before`; otherwise as `rms_reduction`."""
+
+    def reduction(one: FloatArray, other: FloatArray, axis: int = -1) -> FloatArray:
+        return np.asarray(np.mean(one, axis) - np.mean(other, axis))
+
+    return _margin(before, after, reduction, chance)
+
+
 def rms_reduction(before: FloatArray, after: FloatArray, chance: float = 0.05) -> Margin:
     """By how much the RMS of `after` is less than that of `before`, errors of the same windows, shape (n,) [m] each.
 
@@ -65,6 +74,10 @@ def rms_reduction(before: FloatArray, after: FloatArray, chance: float = 0.05) -
     def reduction(one: FloatArray, other: FloatArray, axis: int = -1) -> FloatArray:
         return rms(one, axis) - rms(other, axis)
 
+    return _margin(before, after, reduction, chance)
+
+
+def _margin(before: FloatArray, after: FloatArray, reduction: Callable[..., FloatArray], chance: float) -> Margin:
     found = _bootstrap((before, after), reduction, _MARGIN_RESAMPLES, 0, 1.0 - chance).confidence_interval
     return Margin(float(reduction(before, after)), float(found.low), float(found.high))
 

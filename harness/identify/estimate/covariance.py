@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.problem import Problem
@@ -25,9 +25,10 @@ _LONGEST = 1.0  # longest step, in scaled parameters
 def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
     """The same fit, its covariance by differences over ± one inflated standard deviation of each parameter.
 
-    It is the standard deviation with the other parameters held fixed, since the parameter is moved alone.
+    It is the standard deviation with the other parameters held fixed, since the parameter is moved alone. A fit to free
+    runs keeps its own.
     """
-    if not len(found.theta):
+    if not len(found.theta) or found.estimator is Estimator.FREE_RUNS:
         return found
     jacobian = interval_jacobian(problem, found)
     return replace(found, covariance=information_inverse(problem, found.hypothesis, jacobian))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from operator import attrgetter
 
 import numpy as np
@@ -20,6 +21,7 @@ from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFi
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import PHASE, Hypothesis, Terms, own_key
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.settings import Settings
 
 TWO_SIDED = 1.96  # half width of the 95 % interval of a normal variable [σ]
 PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
@@ -27,6 +29,13 @@ PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
 _WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
 _HIGHEST = 0.0  # log of 1 m²/s³: a ball whose driving force is unknown
 _FINE_STEP = 1e-3  # of the Jacobian's differences near the optimum, in scaled parameters
+
+
+class Estimator(StrEnum):
+    """How parameters are estimated; names as in diagnosis.json."""
+
+    LIKELIHOOD = "likelihood"  # innovations and process noise
+    FREE_RUNS = "free_runs"  # runs over windows without readings on the way
 
 
 @dataclass(frozen=True)
@@ -43,6 +52,9 @@ class Fit:
         readings: number n of readings.
         abandoned: whether it is a screening fit, or one of a single round, that was not continued because its criterion
             was behind that of the best candidate, or no candidate promised anything.
+        estimator: of the parameters; process noise and deviance are those of the filter in any case.
+        held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
+        band: factor by which errors of held-out blocks exceed the standard deviations that the filter foresees [1].
     """
 
     hypothesis: Hypothesis
@@ -53,6 +65,9 @@ class Fit:
     covariance: FloatArray
     readings: int
     abandoned: bool = False
+    estimator: Estimator = Estimator.LIKELIHOOD
+    held_out: tuple[float, ...] = ()
+    band: float = 1.0
 
     @property
     def refined(self) -> Hypothesis:
@@ -76,6 +91,10 @@ class Fit:
                 for recording, value in zip(self.terms.recordings, own, strict=True)
             }
         return values
+
+    def inflation(self, settings: Settings) -> float:
+        """Factor of standard errors [1]; the covariance of a fit to free runs is that of the errors that it makes."""
+        return settings.inflation if self.estimator is Estimator.LIKELIHOOD else 1.0
 
     def deviations(self) -> dict[tuple[str, str], float]:
         """Standard error of every (effect, parameter), without overdispersion."""

@@ -49,14 +49,15 @@ def forecast(
 ) -> Forecast:
     """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
-    The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit.
+    The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit; the
+    deviation is wider by the factor by which errors of held-out blocks exceeded it.
     """
     best = filtered(problem, found, recording, reading)
     variance = best.recorded_variance
     count = len(found.theta)
     if count:
         scale = found.hypothesis.scale(problem)
-        root = problem.settings.inflation * _root(found.covariance / np.outer(scale, scale))
+        root = found.inflation(problem.settings) * _root(found.covariance / np.outer(scale, scale))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(recording.time))
@@ -67,7 +68,7 @@ def forecast(
             drawn = run_filter(problem, recording, at, found.process_noise, own=own, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
-    return Forecast(recording.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+    return Forecast(recording.time, best.recorded, found.band * np.sqrt(variance), best.state[:, :2])
 
 
 def _root(covariance: FloatArray) -> FloatArray:

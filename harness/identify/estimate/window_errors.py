@@ -7,24 +7,69 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
-from harness.identify.estimate.forecast import filtered
+from harness.identify.estimate.own_values import own_of
+from harness.identify.filter.run import FilterRun, Part, run_parts
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
-_DENSITIES = 10.0 ** np.arange(-9.0, -1.0)  # grid of the process noise [m²/s³]
-
-
-def window_error(problem: Problem, found: Fit, window: Window) -> float:
-    """RMS error over the predicted part of a window [m]."""
-    reading = np.full_like(window.recording.reading, np.nan)
-    reading[window.use] = np.where(window.known, window.reading, np.nan)
-    return window.rms_error(filtered(problem, found, window.recording, reading).recorded[window.use])
+DENSITIES = 10.0 ** np.arange(-8.0, -1.0)  # grid of the process noise [m²/s³]
 
 
 def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[float]:
-    """RMS error of every window [m]."""
-    return [window_error(problem, found, window) for window in windows]
+    """RMS error over the predicted part of every window [m].
+
+    The filter runs over the known part and on without readings.
+    """
+    runs = _runs(problem, found, windows)
+    return [window.rms_error(run.recorded) for window, run in zip(windows, runs, strict=True)]
+
+
+def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
+    """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
+    ratios = []
+    for window, run in zip(windows, _runs(problem, found, windows), strict=True):
+        error = (run.recorded - window.reading) / np.sqrt(run.recorded_variance + problem.reading_variance)
+        ratios.append(error[window.judged])
+    return np.concatenate(ratios)
+
+
+def _runs(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[FilterRun]:
+    """Filter runs over the known part of each window and on.
+
+    What a recording that was not fitted has of its own is estimated for each window from its known part.
+    """
+    runs: dict[int, FilterRun] = {}
+    by_recording: dict[int, list[int]] = {}
+    for i, window in enumerate(windows):
+        by_recording.setdefault(id(window.recording), []).append(i)
+    for places in by_recording.values():
+        recording = windows[places[0]].recording
+        parts = [Part(windows[i].use, np.where(windows[i].known, windows[i].reading, np.nan)) for i in places]
+        if recording.name in found.terms.recordings or not found.hypothesis.own:
+            done = run_parts(problem, recording, found.terms, found.process_noise, parts)
+        else:
+            own = [own_of(problem, found, recording, _known_of(windows[i])) for i in places]
+            done = [
+                run_parts(problem, recording, found.terms, found.process_noise, [part], own=each)[0]
+                for part, each in zip(parts, own, strict=True)
+            ]
+        runs |= dict(zip(places, done, strict=True))
+    return [runs[i] for i in range(len(windows))]
+
+
+def _known_of(window: Window) -> FloatArray:
+    """Readings of the known part among the stamps of the whole recording, shape (n,) [m]."""
+    reading = np.full_like(window.recording.reading, np.nan)
+    reading[window.use] = np.where(window.known, window.reading, np.nan)
+    return reading
+
+
+def errors_by_density(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
+    """`window_errors` at each of `DENSITIES` of the process noise, shape (densities, windows) [m]."""
+    fits = (replace(found, process_noise=float(density)) for density in DENSITIES)
+    return np.array([window_errors(problem, fit, windows) for fit in fits])
 
 
 def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> Fit:
@@ -33,5 +78,5 @@ def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) ->
     Where errors of model or sensor are not white, the process noise of maximum likelihood, which is best for the next
     reading, is not the best for seconds.
     """
-    fits = [found, *(replace(found, process_noise=float(density)) for density in _DENSITIES)]
+    fits = [found, *(replace(found, process_noise=float(density)) for density in DENSITIES)]
     return min(fits, key=lambda fit: sum(error**2 for error in window_errors(problem, fit, windows)))

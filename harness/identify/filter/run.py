@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -79,12 +81,43 @@ def run_filter(
         own: what the recording has of its own; by default what the terms say.
         reading: readings in place of the recording's, shape (n,), NaN where missing [m].
     """
+    (run,) = run_parts(problem, recording, added, process_noise, [Part(slice(None), reading)], own=own)
+    return run
+
+
+class Part(NamedTuple):
+    """Consecutive stamps of a recording, and readings in place of its own, NaN where missing [m]; as many."""
+
+    use: slice
+    reading: FloatArray | None
+
+
+def run_parts(
+    problem: Problem,
+    recording: PreparedRecording,
+    added: Terms,
+    process_noise: float,
+    parts: Sequence[Part],
+    *,
+    own: Own | None = None,
+) -> list[FilterRun]:
+    """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
     law = problem.sensor(added.effects)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
-    readings = Readings(recording.time, recording.reading if reading is None else reading)
-    beam = BeamTable(recording.grid.steps, recording.grid.marks, table)
     sensor = Sensor(law.gain, law.lag, problem.reading_variance, law.square, law.cube)
-    return FilterRun(*extended_kalman_filter(readings, beam, p, sensor, process_noise), law)
+    runs = []
+    for use, reading in parts:
+        readings = Readings(recording.time[use], recording.reading[use] if reading is None else reading)
+        beam = beam_over(recording, table, use)
+        runs.append(FilterRun(*extended_kalman_filter(readings, beam, p, sensor, process_noise), law))
+    return runs
+
+
+def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slice(None)) -> BeamTable:
+    """The beam's motion over consecutive stamps of a recording, from its table."""
+    steps, marks = recording.grid.steps, recording.grid.marks[use]
+    begin, end = int(marks[0]), int(marks[-1])
+    return BeamTable(steps[begin:end], marks - begin, table[2 * begin : 2 * end + 1])
 
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:

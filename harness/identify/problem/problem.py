@@ -20,6 +20,8 @@ from harness.signals.drive import Drive
 from harness.signals.prescribed import nodes
 
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
+_CELL, _COARSE_STEP = 0.04, 0.025  # of free runs, whose errors are centimetres [s]
+_ROUNDING = 1e-6  # of a cell: stamps are not exact multiples of the sampling interval
 _LONGEST_STEP = 1e-2  # [s]: error 2e-6 m in 10 s even where the ball reverses, a hundredth of any sensor's noise
 
 
@@ -32,12 +34,20 @@ def filtered_against(reading: FloatArray) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class PreparedRecording:
-    """One recording: stamps, shape (n,) [s]; position readings, NaN where missing or an outlier, shape (n,) [m]."""
+    """One recording.
+
+    Attributes:
+        time: stamps, shape (n,) [s].
+        reading: position readings, NaN where missing or an outlier, shape (n,) [m].
+        drive: the beam's motion, over these stamps or longer.
+        longest_step: of the integration [s].
+    """
 
     name: str
     time: FloatArray
     reading: FloatArray
     drive: Drive
+    longest_step: float = _LONGEST_STEP
 
     @classmethod
     def of(cls, observed: Observed) -> PreparedRecording:
@@ -47,7 +57,7 @@ class PreparedRecording:
     @cached_property
     def grid(self) -> Grid:
         """Integration grid: the steps between the stamps."""
-        return Grid.over(self.time, _LONGEST_STEP)
+        return Grid.over(self.time, self.longest_step)
 
     @cached_property
     def table(self) -> FloatArray:
@@ -64,10 +74,25 @@ class PreparedRecording:
         delay = sensor_with(effects).delay
         if delay == 0.0 and not any(term.effect.moves_beam for term in effects):
             return self.table
-        motion = motion_with(self.drive, self.drive.time, effects)  # a half of a recording began with the whole
+        stamps = self.drive.time  # a part of a recording began with the whole
+        motion = motion_with(self.drive, stamps, effects)
         if delay != 0.0:
-            motion = DelayedMotion(motion, delay, float(self.time[0]), float(self.time[-1]))
+            motion = DelayedMotion(motion, delay, float(stamps[0]), float(stamps[-1]))
         return self.grid.tabulate(motion)
+
+    @cached_property
+    def thinned(self) -> PreparedRecording:
+        """Mean readings of cells of 40 ms, at their mean stamps: free runs differ from readings slowly.
+
+        On a ball that accelerates by 1 m/s² the mean position is off by 0.07 mm from that at the mean time.
+        """
+        known = np.isfinite(self.reading)
+        time, reading = self.time[known], self.reading[known]
+        _, cell = np.unique(np.floor(time / _CELL + _ROUNDING), return_inverse=True)
+        count = np.bincount(cell)
+        return PreparedRecording(
+            self.name, np.bincount(cell, time) / count, np.bincount(cell, reading) / count, self.drive, _COARSE_STEP
+        )
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:

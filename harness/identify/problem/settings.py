@@ -107,20 +107,38 @@ class Settings:
         "share of the best predicted decrease that a spline term needs to be fitted [1]",
         "it is nearly linear in its nodes, so that it reaches the predicted decrease",
     )
-    min_windows: int = _setting(
-        12, "smallest number of windows for cross-validation", "with fewer, the scatter of the errors decides"
+    min_blocks: int = _setting(
+        4, "smallest number of held-out blocks of 3 s that decide", "with fewer, a bootstrap has no meaning"
+    )
+    poor_errors: float = _setting(
+        3.0,
+        "mean error of predictions over 3 s above which held-out errors decide, in deviations of a reading [1]",
+        "below it there is little to gain over seconds, and the likelihood tells more",
+    )
+    held_out_least: float = _setting(
+        0.2,
+        "smallest share by which effects tried together have to reduce the held-out error [1]",
+        "a dozen sets of effects are tried; chance reduces the error of few blocks by less",
+    )
+    held_out_share: float = _setting(
+        0.02,
+        "share of the held-out error by which each parameter has to reduce it; a spline term counts as one [1]",
+        "a smaller share is no use to anyone who predicts, and errors of a few dozen blocks scatter by more",
+    )
+    held_out_rival: float = _setting(
+        0.05,
+        "share of the held-out error within which two hypotheses are indistinguishable [1]",
+        "the standard error of a paired difference over a few dozen blocks",
     )
     validated_candidates: int = _setting(
-        3, "candidates of a round that are cross-validated, best in sample first", "each costs a fit per recording"
+        3,
+        "candidates of a round that are cross-validated, best in sample first",
+        "each costs a fit per group of blocks",
     )
-    validated_effects: int = _setting(
-        2, "number of effects up to which cross-validation adds one", "each addition is a further multiple test"
-    )
-    validated_rounds: int = _setting(2, "rounds of a fit without one recording", "it starts from the full fit")
     chance: float = _setting(
-        0.05,
-        "two-sided significance level of a cross-validation round, divided among its candidates [1]",
-        "the usual one (Bonferroni)",
+        0.1,
+        "two-sided significance level of a reduction of the held-out error, divided among candidates [1]",
+        "one in twenty for a reduction that chance makes (Bonferroni among candidates)",
     )
     max_rounds: int = _setting(6, "alternations of parameters and process noise", "three are usual")
     converged: float = _setting(

@@ -17,6 +17,9 @@ KNOWN = 2.0  # length of the known part of a window [s]
 AHEAD = 3.0  # length of the predicted part of a window [s]
 HORIZONS = (1.0, 2.0, 3.0, 5.0)  # lengths of predicted spans [s]
 _FEWEST = 5  # readings that each part of a window needs
+_FEWEST_FITTED = 2  # windows
+_GROUPS = 6  # of blocks that are held out together
+_STRIDE_FITTED, _STRIDE_PREDICTED = 2.0, 1.0  # of overlapping windows [s]
 _ROUNDING = 1e-6  # [s]: stamps are not exact multiples of the sampling interval
 
 
@@ -73,19 +76,28 @@ class Window:
         """Signals on the grid, shape (k,) each, interpolated at the stamps: shape (m, number of signals)."""
         return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
 
+    def overlaps_prediction_of(self, other: Window) -> bool:
+        """Whether it has readings of the predicted part of `other`."""
+        apart = self.begin >= other.begin + KNOWN + AHEAD or self.begin + KNOWN + AHEAD <= other.begin + KNOWN
+        return self.recording is other.recording and not apart
+
     def rms_error(self, predicted: FloatArray) -> float:
         """RMS error of predicted positions, shape (m,), over the predicted part [m]."""
         return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
 
 
-def windows_of(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...]:
-    """Consecutive windows, 2 s known and 3 s predicted; the predicted parts do not overlap."""
+def windows_of(recordings: Sequence[PreparedRecording], stride: float = AHEAD) -> tuple[Window, ...]:
+    """Windows, 2 s known and 3 s predicted, that begin every `stride` [s].
+
+    By default they are consecutive: the predicted parts do not overlap.
+    """
     windows = []
     for recording in recordings:
         time = recording.time - recording.time[0]
-        for i in range(int((time[-1] - KNOWN) / AHEAD + _ROUNDING)):
-            first, last = np.searchsorted(time, np.array([i * AHEAD, i * AHEAD + KNOWN + AHEAD]) - _ROUNDING)
-            window = Window(recording, float(recording.time[0]) + i * AHEAD, slice(int(first), int(last)))
+        for i in range(int((time[-1] - KNOWN - AHEAD) / stride + _ROUNDING) + 1):
+            begin = i * stride
+            first, last = np.searchsorted(time, np.array([begin, begin + KNOWN + AHEAD]) - _ROUNDING)
+            window = Window(recording, float(recording.time[0]) + begin, slice(int(first), int(last)))
             if window.known.sum() >= _FEWEST and window.judged.sum() >= _FEWEST:
                 windows.append(window)
     return tuple(windows)
@@ -102,6 +114,49 @@ def horizon_spans(time: FloatArray) -> list[tuple[str, float, float]]:
         count = int((end - KNOWN) / horizon + 1e-6)
         spans += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
     return [*spans, ("whole", KNOWN, end + 1.0)]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive windows of one recording to predict, and the windows to fit to while they are held out.
+
+    Attributes:
+        held_out: windows that overlap; together they are one sample of the prediction error.
+        fitted: windows without any reading of the predicted parts of `held_out` and of the blocks held out with it.
+        group: number of the group of blocks that are held out together.
+    """
+
+    held_out: tuple[Window, ...]
+    fitted: tuple[Window, ...]
+    group: int
+
+
+def fitted_windows(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...]:
+    """Windows that models are fitted to."""
+    return windows_of(recordings, _STRIDE_FITTED)
+
+
+def blocks_of(recordings: Sequence[PreparedRecording], count: int = _GROUPS) -> tuple[Block, ...]:
+    """Blocks of 3 s, in `count` groups of neighbours that are held out together; empty if there is too little to fit.
+
+    Windows to predict begin every second and windows to fit every two, so that short recordings tell what they can.
+    """
+    held: list[list[Window]] = []
+    for window in windows_of(recordings, _STRIDE_PREDICTED):
+        same = held and held[-1][0].recording is window.recording and window.begin - held[-1][0].begin < AHEAD
+        if same:
+            held[-1].append(window)
+        else:
+            held.append([window])
+    fitted = fitted_windows(recordings)
+    blocks = []
+    for number, group in enumerate(np.array_split(np.arange(len(held)), min(count, len(held)) or 1)):
+        out = [window for i in group for window in held[i]]
+        kept = tuple(window for window in fitted if not any(map(window.overlaps_prediction_of, out)))
+        if len(kept) < _FEWEST_FITTED:
+            return ()
+        blocks += [Block(tuple(held[i]), kept, number) for i in group]
+    return tuple(blocks)
 
 
 @dataclass(frozen=True)

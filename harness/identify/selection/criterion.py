@@ -12,16 +12,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from operator import itemgetter
 from typing import Literal
 
 import numpy as np
 
-from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.metrics.bootstrap import Margin, rms_reduction
-from harness.numerics import rms
+from harness.metrics.bootstrap import Margin, mean_reduction
 
 
 class Rule(StrEnum):
@@ -37,8 +35,11 @@ class Rule(StrEnum):
     SPLINE = "spline"  # add a spline term
     REFINE = "refine"  # double the nodes of a spline term
     ABSORB = "absorb"  # keep or drop an effect beside the spline term that may contain it
-    VALIDATE = "validate"  # keep or drop selected terms by held-out errors
-    EXTEND = "extend"  # add a candidate by held-out errors
+    JOINT = "joint"  # keep the best of several sets of terms, by held-out errors
+    VALIDATE = "validate"  # keep or drop what was selected, by held-out errors
+    EXTEND = "extend"  # add a candidate, by held-out errors
+    PRUNE = "prune"  # keep or drop an effect, by held-out errors
+    EXCHANGE = "exchange"  # replace an effect by a candidate, by held-out errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,10 @@ class Evidence:
     """Evidence of a decision beside the two fits that it compares.
 
     Attributes:
-        winner: the best fit of the round (ADD, SWAP, SPLINE), or that of the largest significant gain (EXTEND).
+        winner: the best fit of the round (ADD, SWAP, SPLINE, JOINT, EXTEND, EXCHANGE).
         holder: the fit with the effect to be replaced (SWAP), or without the spline term (ABSORB).
         without: fits without one or the other of the pair (SPLIT).
-        before, after: held-out results without and with the terms tried: deviance of each recording (SPLINE), RMS
-            error of each window [m] (VALIDATE, EXTEND).
+        before, after: deviance of each recording by fits to the others, without and with the term tried (SPLINE).
         tests: number of candidates among which the significance level is divided (EXTEND).
         nested: whether the effect is nested in the spline term (ABSORB).
     """
@@ -83,11 +83,19 @@ class Criterion:
     settings: Settings = field(default=DEFAULT)
 
     def value(self, fit: Fit) -> float:
-        """Quasi-BIC of a fit; BIC if it has a spline term."""
+        """Quasi-BIC of a fit; BIC if it has a spline term; of a fit to free runs the log of its mean held-out error.
+
+        The last is in m, and each parameter, a spline term for one, has to reduce it by `held_out_share`.
+        """
+        if fit.estimator is Estimator.FREE_RUNS:
+            numbers = len(fit.hypothesis.parameters) + (fit.hypothesis.spline is not None)
+            return math.log(np.mean(fit.held_out)) + self.settings.held_out_share * numbers
         return self._value(fit, spline=fit.hypothesis.spline is not None)
 
     def gain(self, tried: Fit, against: Fit) -> float:
         """Decrease of the criterion from `against` to `tried`; of the BIC if either has a spline term."""
+        if tried.estimator is Estimator.FREE_RUNS:
+            return self.value(against) - self.value(tried)
         spline = _by_bic(tried, against)
         return self._value(against, spline=spline) - self._value(tried, spline=spline)
 
@@ -114,8 +122,11 @@ class Criterion:
             Rule.SPLINE: self._spline,
             Rule.REFINE: self._add,
             Rule.ABSORB: self._absorb,
+            Rule.JOINT: self._joint,
             Rule.VALIDATE: self._validate,
-            Rule.EXTEND: self._extend,
+            Rule.EXTEND: self._held_out,
+            Rule.EXCHANGE: self._exchange,
+            Rule.PRUNE: self._prune,
         }
         kept, because = rules[rule](tried, against, gain, evidence)
         return Decision(bool(kept), float(gain), because)
@@ -179,31 +190,39 @@ class Criterion:
         kept = not gain < self.settings.keep
         return kept, f"{'is' if kept else 'is not'} needed beside the spline term"
 
-    def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """Selected terms are kept if held-out windows are predicted better with them."""
-        before, after = rms(evidence.before), rms(evidence.after)
-        kept = after < before
-        return kept, f"predicts held-out windows {'better' if kept else 'worse'}: {after:.3g} m for {before:.3g} m RMS"
-
-    def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """A candidate is kept if it is the best of its round and reduces the held-out error significantly."""
-        before, after = rms(evidence.before), rms(evidence.after)
-        significant = self.reduction(evidence).sure
-        text = f"predicts held-out windows with {after:.3g} m RMS error instead of {before:.3g} m"
-        if not significant:
+    def _held_out(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """The best fit of its round is kept if it surely reduces the held-out error."""
+        reduced = self.reduction(tried, against, evidence.tests)
+        best = evidence.winner is None or evidence.winner is tried
+        text = _held_out_errors(tried, against)
+        if gain > 0.0 and not reduced.sure:
             text += ", which is not significant"
-        return significant and evidence.winner is tried, text
+        return best and gain > 0.0 and reduced.sure, text
 
-    def reduction(self, evidence: Evidence) -> Margin:
-        """Reduction of the RMS held-out error [m], with its interval at the significance level divided by `tests`."""
-        before, after = np.array(evidence.before), np.array(evidence.after)
-        return rms_reduction(before, after, self.settings.chance / evidence.tests)
+    def _joint(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """The best of the effects tried together is kept if it surely reduces the held-out error, by a good part."""
+        kept, text = self._held_out(tried, against, gain, evidence)
+        if kept and gain < self.settings.held_out_least:
+            return False, f"{text}, too little"
+        return kept, text
 
-    def largest_reduction(self, tried: Sequence[tuple[Fit, Evidence]]) -> Fit | None:
-        """The candidate that reduces the held-out error most; `None` if no reduction is significant."""
-        margins = [(self.reduction(evidence), candidate) for candidate, evidence in tried]
-        significant = [(margin.value, candidate) for margin, candidate in margins if margin.sure]
-        return max(significant, key=itemgetter(0))[1] if significant else None
+    def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """What was selected is kept unless held-out blocks are predicted worse with it."""
+        return bool(np.mean(tried.held_out) <= np.mean(against.held_out)), _held_out_errors(tried, against)
+
+    def _exchange(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """The best candidate replaces an effect if it surely reduces the held-out error, by more than a rival."""
+        kept, text = self._held_out(tried, against, gain, evidence)
+        return kept and gain > self.settings.held_out_rival, text
+
+    def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """An effect is kept if it reduces the held-out error by more than what its parameters have to."""
+        return gain > 0.0, _held_out_errors(tried, against)
+
+    def reduction(self, tried: Fit, against: Fit, tests: int = 1) -> Margin:
+        """Reduction of the mean held-out error [m], with its interval at the significance level divided by `tests`."""
+        before, after = np.array(against.held_out), np.array(tried.held_out)
+        return mean_reduction(before, after, self.settings.chance / tests)
 
     def _because(self, tried: Fit, against: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
         lowers = _lowers(tried, against, gain)
@@ -217,6 +236,12 @@ class Criterion:
         behind = self.value(tried) - self.value(evidence.winner)
         return f"{lowers}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}{short}"
 
+    def predicts_poorly(self, problem: Problem, errors: Sequence[float]) -> bool:
+        """Whether the errors of windows, shape (windows,) [m], are far above the deviation of a reading."""
+        return len(errors) > 0 and float(np.median(errors)) > self.settings.poor_errors * math.sqrt(
+            problem.reading_variance
+        )
+
     def at_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
         return fit.root_process_noise < self.settings.at_floor_ratio * problem.angle_floor
@@ -226,8 +251,14 @@ class Criterion:
         return fit.root_process_noise > self.settings.above_floor_ratio * problem.angle_floor
 
     def rivals(self, fit: Fit, found: Fit) -> bool:
-        """Whether `fit` is indistinguishable from `found`; never if only one of them has a spline term."""
+        """Whether `fit` is indistinguishable from `found`.
+
+        Never if only one of them has a spline term or is a fit to free runs.
+        """
         comparable = (fit.hypothesis.spline is None) == (found.hypothesis.spline is None)
+        comparable = comparable and fit.estimator is found.estimator
+        if found.estimator is Estimator.FREE_RUNS:
+            return comparable and self.value(fit) < self.value(found) + self.settings.held_out_rival
         return comparable and self.value(fit) < self.value(found) + self.settings.rival
 
     def rival_separation(self, fit: Fit, found: Fit) -> float:
@@ -238,6 +269,11 @@ class Criterion:
     def detection_limit(self, readings: int, parameters: int) -> float:
         """Size over standard error from which an effect of so many parameters is kept [σ]."""
         return math.sqrt(self.settings.keep + math.log(readings) * parameters)
+
+
+def _held_out_errors(tried: Fit, against: Fit) -> str:
+    before, after = (1e3 * float(np.mean(fit.held_out)) for fit in (against, tried))
+    return f"predicts held-out blocks with a mean error of {after:.3g} mm instead of {before:.3g} mm"
 
 
 def _by_bic(tried: Fit, against: Fit) -> bool:

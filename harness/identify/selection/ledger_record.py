@@ -74,6 +74,9 @@ def fit_record(fit: Fit, criterion: Criterion) -> FitRecord:
         deviance=fit.deviance,
         criterion=criterion.value(fit),
         abandoned=fit.abandoned,
+        estimator=fit.estimator.value,
+        held_out_m=fit.held_out,
+        band=fit.band,
     )
 
 

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.cross_validation import cross_validated
+from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
-from harness.identify.selection.cross_validation import held_out_errors
 from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
 from harness.identify.selection.spline_terms import held_out_deviances
 from harness.progress import Progress, silent
@@ -129,11 +129,19 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
         np.zeros((len(theta),) * 2),
         problem.readings,
         entry.abandoned,
+        Estimator(entry.estimator),
+        tuple(map(_number, entry.held_out_m)),
+        entry.band,
     )
 
 
 def _refitted(recorded: Fit, problem: Problem) -> Fit:
-    """The fit re-optimised from its recorded parameters, or the same fit if its deviance does not decrease."""
+    """The fit re-optimised from its recorded parameters, or the same fit if its deviance does not decrease.
+
+    A fit to free runs is cross-validated anew.
+    """
+    if recorded.estimator is Estimator.FREE_RUNS:
+        return cross_validated(problem, recorded)
     again = fit(problem, recorded.hypothesis, process_noise=recorded.process_noise, starts=[recorded.theta])
     return again if again.deviance < recorded.deviance else replace(recorded)
 
@@ -147,17 +155,15 @@ def _decisions(
     rounds = groupby(lines, key=lambda line: (line.rule, line.against, line.evidence.winner))
     for (rule, against, _), group in rounds:
         tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in group]
-        winner = _winner(Rule(rule), tried, criterion)
+        winner = _winner(tried, criterion)
         for candidate, evidence in tried:
             full = evidence if evidence.winner is None else replace(evidence, winner=winner)
             decisions.append(criterion.decide(Rule(rule), candidate, fits[against], full))
     return decisions
 
 
-def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
-    """The best fit of a round: by held-out errors for EXTEND, else by the criterion."""
-    if rule is Rule.EXTEND:
-        return criterion.largest_reduction(tried)
+def _winner(tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
+    """The best fit of a round."""
     return min((candidate for candidate, _ in tried), key=criterion.value)
 
 
@@ -172,11 +178,7 @@ def _evidence(
     before, after = tuple(map(_number, recorded.before)), tuple(map(_number, recorded.after))
     tried, against = fits[line.fit], fits[line.against]
     if refit is not None and before:
-        if line.rule == Rule.SPLINE:
-            before, after = held_out_deviances(problem, against, tried, refit)
-        else:
-            refit(f"cross-validation: {line.effect}")
-            before, after = held_out_errors(problem, against), held_out_errors(problem, tried)
+        before, after = held_out_deviances(problem, against, tried, refit)
     return Evidence(
         winner=None if recorded.winner is None else fits[recorded.winner],
         holder=None if recorded.holder is None else fits[recorded.holder],

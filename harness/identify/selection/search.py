@@ -1,4 +1,4 @@
-"""The search as a whole: stepwise selection, then spline terms, then cross-validation."""
+"""The search as a whole: stepwise selection, then spline terms, then held-out errors."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import windows_of
 from harness.identify.selection.criterion import Criterion
-from harness.identify.selection.cross_validation import cross_validate
+from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
 from harness.identify.selection.spline_terms import with_spline_term
 from harness.identify.selection.stepwise import stepwise
@@ -42,6 +44,10 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
     if not ledger.criterion.at_noise_floor(problem, found):
         effects = found
         found = ledger.attempt("spline terms", lambda: with_spline_term(problem, effects, ledger, progress), effects)
-    terms = found
-    found = ledger.attempt("cross-validation", lambda: cross_validate(problem, base, terms, ledger, progress), terms)
+    windows = windows_of(problem.recordings)
+    if ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
+        chosen = base, found
+        base, found = ledger.attempt(
+            "search by held-out errors", lambda: search_by_held_out_errors(problem, *chosen, ledger, progress), chosen
+        )
     return Selection(base, found, tuple(ledger.lines))

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.forecast import filtered
-from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.estimate.refit import refit
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import folds, horizon_spans
 from harness.identify.validation.beam_dependence import Dependence, beam_dependence, joined
@@ -114,9 +114,7 @@ def fit_folds(problem: Problem, base: Fit, found: Fit, progress: Progress = sile
     for fold in folds(problem):
         progress(f"fit with {fold.title} held out")
         rest = fold.problem
-        without = fit(rest, Hypothesis(problem.unknown), process_noise=base.process_noise, initial=base.values())
-        with_terms = fit(rest, found.refined, process_noise=found.process_noise, initial=found.values())
-        held.append(HeldOut(rest, without, with_terms, fold.left))
+        held.append(HeldOut(rest, refit(rest, base), refit(rest, found), fold.left))
     return tuple(held)
 
 

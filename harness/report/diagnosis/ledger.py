@@ -34,7 +34,10 @@ def _of_effect(account: Account, effect: IdentifiedEffect) -> Table:
     others = {
         one.title: one
         for one in account.diagnosis.ledger
-        if one.title not in found.hypothesis.names and set(one.beside) == rest and one.fit.hypothesis.spline is None
+        if one.title not in found.hypothesis.names
+        and set(one.beside) == rest
+        and one.fit.hypothesis.spline is None
+        and one.fit.estimator is found.estimator
     }
     beside = f" beside {', '.join(f'`{name}`' for name in sorted(rest))}" if rest else ""
     return _table(account, f"In place of `{effect.name}`{beside}", list(others.values()))

@@ -49,13 +49,14 @@ def test_a_deviance_that_is_no_number_is_a_failure(plain: Posed, monkeypatch: py
 
 
 def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep the effects where spline terms and cross-validation raise, and name both."""
+    """Keep the effects where spline terms and the search by held-out errors raise, and name both."""
 
     def fail(*_: Any, **__: Any) -> Any:
         raise ValueError("array must not contain infs or NaNs")
 
     monkeypatch.setattr(search, "with_spline_term", fail)
-    monkeypatch.setattr(search, "cross_validate", fail)
+    monkeypatch.setattr(search, "search_by_held_out_errors", fail)
+    monkeypatch.setattr(search.Criterion, "predicts_poorly", lambda *_: True)
     monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
     monkeypatch.setattr(search, "stepwise", lambda problem, base, ledger, progress: base)
     failures = Failures()
@@ -63,7 +64,7 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
     assert selection.found is selection.base
     assert [(one.part, one.name) for one in failures.all] == [
         ("search", "spline terms"),
-        ("search", "cross-validation"),
+        ("search", "search by held-out errors"),
     ]
 
 

@@ -1,0 +1,61 @@
+"""Cross-validation of a hypothesis over seconds: fitted to free runs without a block of a recording, which it predicts.
+
+The errors of held-out blocks are the evidence; they also choose the process noise with which the filter predicts, and
+widen the band of its predictions to what they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import groupby
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
+from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
+from harness.identify.filter.run import deviance
+from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import blocks_of
+
+_SHARE = 0.95  # of the readings that the band shall hold
+
+
+def cross_validated(problem: Problem, whole: Fit) -> Fit:
+    """A fit to free runs with the errors of held-out blocks, and the process noise that predicts these best.
+
+    Of densities that predict as well the highest is taken: it trusts the readings most.
+
+    Args:
+        whole: to all windows.
+    """
+    errors: list[FloatArray] = []
+    blocks = blocks_of(problem.recordings)
+    fits: list[Fit] = []
+    for _, group in groupby(blocks, key=lambda block: block.group):
+        out = list(group)
+        fitted = out[0].fitted
+        within = {id(window.recording) for window in fitted}
+        rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
+        part = fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit
+        by_density = errors_by_density(problem, part, [window for block in out for window in block.held_out])
+        ends = np.cumsum([len(block.held_out) for block in out])[:-1]
+        errors += [np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)]
+        fits += [part] * len(out)
+    of_blocks = np.array(errors)  # (blocks, densities)
+    means = np.mean(of_blocks, axis=0)
+    best = int(np.flatnonzero(means <= (1.0 + problem.settings.held_out_rival) * means.min())[-1])
+    density = float(DENSITIES[best])
+    ratios = [
+        normalised_errors(problem, replace(part, process_noise=density), block.held_out)
+        for part, block in zip(fits, blocks, strict=True)
+    ]
+    band = float(np.quantile(np.abs(np.concatenate(ratios)), _SHARE)) / TWO_SIDED
+    return replace(
+        whole,
+        process_noise=density,
+        deviance=deviance(problem, whole.terms, density),
+        held_out=tuple(of_blocks[:, best].tolist()),
+        band=band,
+    )

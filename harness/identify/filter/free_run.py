@@ -1,0 +1,69 @@
+"""Free runs over windows of a recording: from a start at each window, with no readings on the way, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.compiled import njit
+from analytic.motion import FloatArray
+from analytic.step import advance
+from harness.identify.filter.ekf import BeamTable
+
+# Changes of a start for derivatives by it [m], [m/s]: wide enough to average over the jumps that arise where dry
+# friction stops the ball.
+_OFF = np.array([[1e-3, 0.0], [0.0, 1e-2]])
+
+
+@njit(cache=True, nogil=True)
+def free_runs(
+    first: NDArray[np.int64], last: NDArray[np.int64], beam: BeamTable, p: FloatArray, lag: float, starts: FloatArray
+) -> FloatArray:
+    """Positions behind the sensor's lag at the stamps of one window after the other, shape (Σ stamps,) [m].
+
+    Args:
+        first, last: stamps at which each window begins, and one after its last, shape (windows,).
+        beam: motion of the beam on the grid of the whole recording.
+        p: the kernel's vector, shape (SLOTS,) or longer where force laws follow.
+        lag: of the position sensor [s]; it begins settled.
+        starts: s [m] and ṡ [m/s] at the first stamp of each window, shape (windows, 2).
+    """
+    out = np.empty(np.sum(last - first))
+    at = 0
+    for i in range(len(first)):
+        s, v, w = starts[i, 0], starts[i, 1], 0.0
+        y = s
+        out[at] = y
+        for stamp in range(first[i] + 1, last[i]):
+            for j in range(beam.marks[stamp - 1], beam.marks[stamp]):
+                before, h = s, beam.steps[j]
+                s, v, w = advance(s, v, w, h, beam.table, 2 * j, p)
+                if lag > 0.0:  # T ẏ + y = s, exact for an s that is linear within the step
+                    slope = (s - before) / h
+                    follow = before - slope * lag
+                    y = follow + slope * h + (y - follow) * math.exp(-h / lag)
+                else:
+                    y = s
+            out[at + stamp - first[i]] = y
+        at += last[i] - first[i]
+    return out
+
+
+def start_derivatives(
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+    beam: BeamTable,
+    p: FloatArray,
+    lag: float,
+    starts: FloatArray,
+    here: FloatArray,
+) -> FloatArray:
+    """Derivatives of `free_runs` by s and ṡ at the start of each window, shape (Σ stamps, 2) [1], [s].
+
+    Args:
+        here: the runs from `starts`, shape (Σ stamps,) [m].
+    """
+    moved = (free_runs(first, last, beam, p, lag, starts + off) for off in _OFF)
+    return np.column_stack([(run - here) / off.sum() for run, off in zip(moved, _OFF, strict=True)])

@@ -1,0 +1,204 @@
+"""Search by held-out errors, for recordings that effects and spline terms selected by likelihood predict poorly.
+
+The likelihood weighs one-step predictions. If the process noise stays above the input-noise floor, something else than
+the errors of the angle is in them: unmodelled forces, or sensors whose errors have a colour of their own. The
+likelihood then may keep what makes predictions over seconds worse and miss what improves them. Predictions of blocks
+that were held out decide instead. Effects that are common on measured rigs and often pay only together are searched
+together, every subset of them; further ones one at a time.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from analytic.effects import CATALOGUE
+from harness.identify.estimate.cross_validation import cross_validated
+from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.free_run_fit import Effort, FreeRunFit, fit_free_runs
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import Window, blocks_of, fitted_windows
+from harness.identify.selection.candidates import candidates, fitted_each, selected_effects
+from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.ledger import Ledger
+from harness.progress import Progress
+
+_VANISHED = 1e-3  # of its typical size: a strength below which an effect is not there
+
+
+def search_by_held_out_errors(
+    problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress
+) -> tuple[Fit, Fit]:
+    """Fits without and with the terms that predict held-out blocks best.
+
+    Those given are returned if nothing is surely better, and the base for both if it predicts better than `found`.
+
+    Args:
+        base, found: fits by likelihood, without and with the terms that it selects.
+    """
+    if len(blocks_of(problem.recordings)) < problem.settings.min_blocks:
+        return base, found
+    search = _Search(problem, ledger, progress)
+    plain, best = search.jointly(base, found)
+    if best is plain:
+        return base, base
+    if best is None or best.hypothesis == found.refined:
+        return base, found
+    while len(selected_effects(problem, best)) < problem.settings.max_effects:
+        further = search.extended(best)
+        if further is None:
+            break
+        best = further
+    return plain, search.pruned(search.exchanged(best))
+
+
+@dataclass
+class _Search:
+    problem: Problem
+    ledger: Ledger
+    progress: Progress
+    _windows: tuple[Window, ...] = field(init=False)
+    _scale: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._windows = fitted_windows(self.problem.recordings)
+
+    def jointly(self, base: Fit, found: Fit) -> tuple[Fit, Fit | None]:
+        """The base, and the best of the subsets of effects that are common on measured rigs and the terms of `found`.
+
+        If none is surely better than the base, `None`, or the base itself if `found` predicts worse than it.
+        """
+        problem = self.problem
+        first = self._fitted([(base.hypothesis, base)])[0]
+        self._scale = first.scale
+        plain = cross_validated(problem, first.fit)
+        common = [name for name in candidates(problem) if CATALOGUE[name].relations.common]
+        fits = {frozenset[str](): first}
+        for size in range(1, len(common) + 1):
+            # From each of the fits with one effect less: where the ball stops there are local minima.
+            fitted = self._fitted(
+                [
+                    (Hypothesis((*problem.unknown, *names)), fits[frozenset(names) - {name}].fit)
+                    for names in itertools.combinations(common, size)
+                    for name in names
+                    if frozenset(names) - {name} in fits
+                ]
+            )
+            for one in fitted:
+                subset = frozenset(selected_effects(problem, one.fit))
+                fits[subset] = self._better(one, fits.get(subset))
+        selected = self._fitted([(found.refined, found)] if len(found.theta) > len(base.theta) else [])
+        terms = self._validated([one.fit for one in selected])
+        sets = (one.fit for subset, one in fits.items() if subset and not _vanished(problem, one.fit))
+        others = self._validated([fit for fit in sets if fit.hypothesis != found.hypothesis])
+        best = self._decided(Rule.JOINT, [*terms, *others], plain, tests=len(terms) + len(others))
+        if best is not None or not terms:
+            return plain, best
+        kept = self.ledger.decide(Rule.VALIDATE, terms[0], plain, _added(terms[0], plain))
+        return plain, None if kept else plain
+
+    def extended(self, best: Fit) -> Fit | None:
+        """`best` with the candidate that reduces the held-out error most; `None` if no reduction is sure."""
+        names = [name for name in self._candidates() if name not in best.hypothesis.names]
+        tried = self._promising(best, [(*best.hypothesis.names, name) for name in names])
+        return self._decided(Rule.EXTEND, tried, best, tests=len(names))
+
+    def exchanged(self, best: Fit) -> Fit:
+        """`best` with an effect replaced by what predicts held-out blocks better; what is as good is a rival."""
+        others = [name for name in self._candidates() if name not in best.hypothesis.names]
+        for name in selected_effects(self.problem, best):
+            swaps = [tuple(other if one == name else one for one in best.hypothesis.names) for other in others]
+            best = self._decided(Rule.EXCHANGE, self._promising(best, swaps), best) or best
+        return best
+
+    def pruned(self, best: Fit) -> Fit:
+        """`best` without the effects that do not reduce the held-out error beside the others."""
+        while len(names := selected_effects(self.problem, best)) > 1:
+            rest = [tuple(one for one in best.hypothesis.names if one != name) for name in names]
+            fitted = self._fitted([(Hypothesis(each, best.terms.spline), best) for each in rest])
+            without = sorted(self._validated([one.fit for one in fitted]), key=self.ledger.criterion.value)
+            idle = [one for one in without[:1] if not self.ledger.decide(Rule.PRUNE, best, one, _added(best, one))]
+            if not idle:
+                break
+            best = idle[0]
+        return best
+
+    def _candidates(self) -> list[str]:
+        """Those with one starting point, so that held-out readings have no say in where their fits begin.
+
+        φ₀ at the start of a recording is unknown too.
+        """
+        problem = self.problem
+        return [
+            name
+            for name in candidates(problem)
+            if not CATALOGUE[name].turning
+            and all(len(one.starts_on(problem.visited, problem.rig)) == 1 for one in CATALOGUE[name].parameters)
+        ]
+
+    def _promising(self, best: Fit, names: Sequence[tuple[str, ...]]) -> list[Fit]:
+        """Of fits with these effects beside the spline term of `best` the few of lowest loss, cross-validated."""
+        begun = self._ranked([(Hypothesis(each, best.terms.spline), best) for each in names], effort=Effort.BRIEF)
+        promising = [(one.fit.refined, one.fit) for one in begun[: 2 * self.problem.settings.validated_candidates]]
+        few = self._ranked(promising)[: self.problem.settings.validated_candidates]
+        return self._validated([one.fit for one in few])
+
+    def _validated(self, fits: Sequence[Fit]) -> list[Fit]:
+        """The fits with their held-out errors."""
+
+        def validated(fit: Fit) -> Fit:
+            self.progress(f"cross-validation: {self._title(fit.hypothesis)}")
+            return cross_validated(self.problem, fit)
+
+        each = fitted_each(validated, fits, lambda fit: self._title(fit.hypothesis), self.ledger.failures)
+        return [one for _, one in each]
+
+    def _ranked(self, tried: Sequence[tuple[Hypothesis, Fit]], *, effort: Effort = Effort.FULL) -> list[FreeRunFit]:
+        """Fits in which no effect vanishes, lowest loss first."""
+        fitted = [one for one in self._fitted(tried, effort=effort) if not _vanished(self.problem, one.fit)]
+        return sorted(fitted, key=lambda one: one.loss(self._scale))
+
+    def _fitted(self, tried: Sequence[tuple[Hypothesis, Fit]], *, effort: Effort = Effort.FULL) -> list[FreeRunFit]:
+        """Fits to free runs over all windows, each from the values of another fit."""
+
+        def fitted(each: tuple[Hypothesis, Fit]) -> FreeRunFit:
+            hypothesis, begin = each
+            self.progress(f"free runs: {self._title(hypothesis)}")
+            return fit_free_runs(self.problem, hypothesis, self._windows, initial=begin.values(), effort=effort)
+
+        each = fitted_each(fitted, tried, lambda one: self._title(one[0]), self.ledger.failures)
+        return [one for _, one in each]
+
+    def _title(self, hypothesis: Hypothesis) -> str:
+        terms = [name for name in hypothesis.names if name not in self.problem.unknown]
+        return " + ".join([*terms, *([hypothesis.spline.name] if hypothesis.spline else [])]) or "no effect"
+
+    def _better(self, one: FreeRunFit, other: FreeRunFit | None) -> FreeRunFit:
+        return one if other is None or one.loss(self._scale) < other.loss(self._scale) else other
+
+    def _decided(self, rule: Rule, tried: Sequence[Fit], against: Fit, tests: int = 1) -> Fit | None:
+        """Decide on cross-validated fits, best first; the one kept, if any."""
+        criterion = self.ledger.criterion
+        ranked = sorted(tried, key=criterion.value)
+        kept = None
+        for fit in ranked:
+            evidence = Evidence(winner=ranked[0], tests=tests)
+            if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
+                kept = fit
+        return kept
+
+
+def _added(fit: Fit, against: Fit) -> tuple[str, ...]:
+    return tuple(name for name in fit.hypothesis.names if name not in against.hypothesis.names)
+
+
+def _vanished(problem: Problem, fit: Fit) -> bool:
+    """Whether one of the effects has no strength."""
+    return any(
+        abs(one.values[parameter.name]) < _VANISHED * parameter.size(problem.rig)
+        for one in fit.terms.effects
+        for parameter in one.effect.parameters
+        if parameter.name in one.effect.strengths
+    )

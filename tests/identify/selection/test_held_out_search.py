@@ -1,0 +1,82 @@
+"""Search by held-out errors: effects that act together are found together, what predicts worse is given up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.identify.estimate.fit import Estimator, Fit, fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem
+from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.held_out_search import search_by_held_out_errors
+from harness.identify.selection.ledger import Ledger
+from tests.posed import pose
+
+HIDDEN = {"rolling_resistance": {"coefficient": 0.006}, "channel_delay": {"delay": 0.05}}
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A dry friction and a delay are hidden, under coloured errors of the position sensor that no model declares."""
+    folder: Path = tmp_path_factory.mktemp("pair")
+    problem = pose(folder / "case", 3, HIDDEN).problem
+    generator = np.random.default_rng(0)
+    spoilt = []
+    for one in problem.recordings:
+        colour = np.zeros(len(one.time))
+        for k in range(1, len(colour)):
+            colour[k] = 0.95 * colour[k - 1] + 5e-4 * generator.standard_normal()
+        spoilt.append(replace(one, reading=one.reading + colour))
+    return replace(problem, recordings=tuple(spoilt))
+
+
+def searched(problem: Problem, base: Fit, found: Fit) -> tuple[Fit, Fit, Ledger]:
+    """Fits without and with what was found, and the ledger."""
+    ledger = Ledger(Criterion(problem.settings))
+    return *search_by_held_out_errors(problem, base, found, ledger, lambda _: None), ledger
+
+
+def test_effects_that_act_together_are_found_together(pair: Problem) -> None:
+    """Find both from a likelihood search that found nothing, near their true values, with the reason in the ledger."""
+    base = fit(pair, Hypothesis(()))
+    plain, found, ledger = searched(pair, base, base)
+    assert plain.estimator is found.estimator is Estimator.FREE_RUNS
+    assert plain.hypothesis.names == ()
+    assert "rolling_resistance" in found.hypothesis.names
+    values = found.values()
+    assert values["rolling_resistance", "coefficient"] == pytest.approx(0.006, rel=0.1)
+    # Over seconds a delay of 50 ms and lags of the same length differ by less than the sensor's error.
+    late = {"channel_delay", "position_lag", "angle_lag", "angle_hold"} & set(found.hypothesis.names)
+    assert len(late) == 1
+    (joint,) = [line for line in ledger.lines if line.rule is Rule.JOINT and line.kept]
+    assert set(joint.effects) == set(HIDDEN)
+    assert "predicts held-out blocks" in joint.because
+
+
+def test_what_predicts_worse_is_given_up(tmp_path: Path) -> None:
+    """Return the base where the selected effect raises the held-out error and nothing else acts."""
+    problem = pose(tmp_path / "case", 5).problem
+    base = fit(problem, Hypothesis(()))
+    misleading = fit(problem, Hypothesis(("level_error",)))
+    wrong = replace(
+        misleading,
+        theta=misleading.theta + 3.0,
+        terms=misleading.hypothesis.terms(misleading.theta + 3.0, problem),
+    )
+    plain, found, ledger = searched(problem, base, wrong)
+    assert found.hypothesis.names in ((), ("level_error",))  # refitted, it is hardly there
+    assert plain is base
+    assert not any(line.kept for line in ledger.lines if line.rule is not Rule.VALIDATE)
+
+
+def test_few_blocks_decide_nothing(pair: Problem) -> None:
+    """Leave what was found as it is where there are too few blocks."""
+    problem = replace(pair, settings=replace(pair.settings, min_blocks=9))
+    base, other = fit(problem, Hypothesis(())), fit(problem, Hypothesis(("level_error",)))
+    plain, found, ledger = searched(problem, base, other)
+    assert (plain, found) == (base, other)
+    assert ledger.lines == []
