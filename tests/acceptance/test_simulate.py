@@ -24,7 +24,14 @@ def test_a_case_that_the_other_commands_read(tmp_path: Path) -> None:
     """Write recordings, rig and truth with the effects asked for, hidden and declared, marked as simulated."""
     done = simulated(
         tmp_path / "case",
-        *("--hide", "viscous_damping.coefficient=0.03", "--hide", "drifting_force.rate=0.0005"),
+        *(
+            "--hide",
+            "viscous_damping.coefficient=0.03",
+            "--hide",
+            "settling_force.force=0.001",
+            "--hide",
+            "settling_force.time_constant=1.0",
+        ),
         *("--declare", "level_error.angle=0.002"),
     )
     assert (done.exit_code, done.stderr) == (0, "")

@@ -17,7 +17,6 @@ FILES = [file for package in ("analytic", "harness", "mjcf", "urdf") for file in
 QUANTITY = "rolling_radius"
 QUANTITY_OF_THE_RIG = {
     "analytic/rig.py",
-    "harness/engines/watch.py",
     "harness/identify/rig_completion.py",
     "harness/recording/known_rig.py",
     "harness/report/comparison/inputs.py",

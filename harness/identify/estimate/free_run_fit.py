@@ -24,6 +24,7 @@ from scipy.optimize import lsq_linear
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import PROCESS_NOISE, Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
+from harness.identify.estimate.window_errors import FARTHEST
 from harness.identify.filter.free_run import free_runs, start_derivatives
 from harness.identify.filter.run import beam_over, dynamics
 from harness.identify.problem.hypothesis import Hypothesis, Terms, own_key
@@ -36,7 +37,6 @@ _LEAST_SCALE = 1e-4  # of the loss [m]
 _MEDIAN = 0.6745  # median absolute value of a standard normal variable
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-6, 1e4  # at first; the bounds of it
 _FACTOR = 6.0  # by which the damping changes
-_FARTHEST = 100.0  # of a run [m]
 _RIDGE = 1e-9  # keeps starts on which nothing depends where they are
 _FASTEST = 0.5  # largest change of a start in one step [m], [m/s]
 
@@ -150,7 +150,7 @@ class FreeRuns:
 
 def _bounded(values: FloatArray) -> FloatArray:
     """Values of runs that leave any beam, or come to no number, are set to the bound; same shape [m], [1], [s]."""
-    return np.clip(np.nan_to_num(values, nan=_FARTHEST), -_FARTHEST, _FARTHEST)
+    return np.clip(np.nan_to_num(values, nan=FARTHEST), -FARTHEST, FARTHEST)
 
 
 @dataclass(frozen=True)

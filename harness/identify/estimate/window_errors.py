@@ -14,6 +14,7 @@ from harness.identify.filter.run import FilterRun, Part, run_parts
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
+FARTHEST = 100.0  # of a prediction [m]
 DENSITIES = 10.0 ** np.arange(-8.0, -1.0)  # grid of the process noise [m²/s³]
 
 
@@ -23,14 +24,16 @@ def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> li
     The filter runs over the known part and on without readings.
     """
     runs = _runs(problem, found, windows)
-    return [window.rms_error(run.recorded) for window, run in zip(windows, runs, strict=True)]
+    return [window.rms_error(_on_beam(run.recorded)) for window, run in zip(windows, runs, strict=True)]
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
     """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
     ratios = []
     for window, run in zip(windows, _runs(problem, found, windows), strict=True):
-        error = (run.recorded - window.reading) / np.sqrt(run.recorded_variance + problem.reading_variance)
+        error = (_on_beam(run.recorded) - window.reading) / np.sqrt(
+            np.nan_to_num(run.recorded_variance) + problem.reading_variance
+        )
         ratios.append(error[window.judged])
     return np.concatenate(ratios)
 
@@ -57,6 +60,11 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Filte
             ]
         runs |= dict(zip(places, done, strict=True))
     return [runs[i] for i in range(len(windows))]
+
+
+def _on_beam(predicted: FloatArray) -> FloatArray:
+    """Predictions, those set to a bound that leave any beam or come to no number, same shape [m]."""
+    return np.clip(np.nan_to_num(predicted, nan=FARTHEST), -FARTHEST, FARTHEST)
 
 
 def _known_of(window: Window) -> FloatArray:

@@ -35,12 +35,14 @@ class FilterRun:
     @property
     def recorded(self) -> FloatArray:
         """Sensor output for the filtered state, shape (n,) [m]."""
-        return self.sensor.curve(self._sensed)
+        with np.errstate(over="ignore", invalid="ignore"):  # a prediction may leave any beam
+            return self.sensor.curve(self._sensed)
 
     @property
     def recorded_variance(self) -> FloatArray:
         """Its variance, without that of a reading, shape (n,) [m²]."""
-        return self.position_variance * self.sensor.slope(self._sensed) ** 2
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self.position_variance * self.sensor.slope(self._sensed) ** 2
 
     @property
     def _sensed(self) -> FloatArray:
