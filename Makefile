@@ -114,6 +114,11 @@ calibrate: $(INSTALLED) ## diagnose some 800 simulated rigs blind and tabulate h
 sensitivity: $(INSTALLED) ## halve and double every setting of the search on a few blind trials: docs/settings.md (half an hour)
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS) $(ARGS)
 
+.PHONY: measured
+measured: $(INSTALLED) ## diagnose the measured rigs in the folder RECORDINGS=… : docs/measured_rigs.md (half an hour)
+	@test -n "$(RECORDINGS)" || { echo 'Give a folder of case folders: make measured RECORDINGS=/path/to/recordings' >&2; exit 2; }
+	$(BIN)/python -m benchmarks.measured $(RECORDINGS) --out docs/measured_rigs $(ARGS)
+
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 .PHONY: lock
 lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)

@@ -1,4 +1,4 @@
-"""Where recordings lie: one measured rig that is free (MIT), bundled with the tests, and those beside the repository.
+"""Where recordings lie: one measured rig that is free (MIT), a built-in case, and those beside the repository.
 
 What lies beside is too large or not free to be part of it; tests that need it skip without, and each has a twin that
 runs on the bundled rig or on one that the virtual rig makes.
@@ -6,9 +6,11 @@ runs on the bundled rig or on one that the virtual rig makes.
 
 from pathlib import Path
 
+from harness.recording.case import MEASURED
+
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 CASES, RECORDINGS = SHARED / "cases", SHARED / "recordings"
-BUNDLED_RIG = Path(__file__).parent / "data" / "open_ball_beam"
+BUNDLED_RIG = MEASURED
 
 
 def measured_rigs() -> list[Path]:

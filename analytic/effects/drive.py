@@ -75,7 +75,8 @@ def transmitted(motion: BeamMotion, stamps: FloatArray, through: Transmission) -
 ANGLE_GAIN = Effect(
     "angle_gain",
     "beam angle = gain × measured angle",
-    (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0),),
+    # half or twice the angle is another gear, not an error of it
+    (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0, usual=(0.5, 2.0)),),
     "a scale error of the angle sensor or its gear",
     transmission=lambda values: Transmission(gain=values["gain"]),
     phrase="a gain of {gain} between measured and real beam angle",
@@ -84,10 +85,18 @@ ANGLE_GAIN = Effect(
 LINKAGE_BACKLASH = Effect(
     "linkage_backlash",
     "play of total width b between measured angle and beam",
-    # a play as wide as the paper's beam turns, ±0.25 rad, leaves it where it is
+    # a play as wide as the paper's beam turns, ±0.25 rad, leaves it where it is; one of ±0.05 rad is seen by eye
     (
         Parameter(
-            "width", "rad", 0.0, 0.5, 0.005, starts=(0.002, 0.008), strength=True, shown=("°", float(np.degrees(1.0)))
+            "width",
+            "rad",
+            0.0,
+            0.5,
+            0.005,
+            starts=(0.002, 0.008),
+            strength=True,
+            shown=("°", float(np.degrees(1.0))),
+            usual=(0.0, 0.1),
         ),
     ),
     "Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989",
@@ -98,7 +107,11 @@ ANGLE_LAG = Effect(
     "angle_lag",
     "the beam follows the recorded angle, or command, as T β̇ + β = α",
     # behind a lag that is longer than a move along the beam takes, some 1 s, the beam hardly turns
-    (Parameter("time_constant", "s", 0.0, 1.0, 0.05, starts=(0.02,), strength=True, shown=("ms", 1e3)),),
+    (
+        Parameter(
+            "time_constant", "s", 0.0, 1.0, 0.05, starts=(0.02,), strength=True, shown=("ms", 1e3), usual=(0.0, 1.0)
+        ),
+    ),
     "first-order low pass",
     turn=lambda motion, stamps, values: lagged(motion, stamps, values["time_constant"]),
     phrase="a lag of {time_constant} of the beam behind the recorded angle",

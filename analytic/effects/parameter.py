@@ -14,6 +14,7 @@ Starts = Callable[[FloatArray, Rig], Sequence[float]]
 """Where fits begin, from the positions that the recordings visit, shape (n,) [m], and the rig."""
 Bounds = Callable[[FloatArray, Rig], tuple[float, float]]
 """Bounds of a fit, from the same."""
+Range = tuple[float, float]
 
 _PLACE = 0.03  # how well a place along the beam can be guessed [m]
 _FACTOR_OFF = 0.05  # how far a factor or a radius is typically off, relative to what it should be [1]
@@ -43,6 +44,8 @@ class Parameter:
         strength: whether the effect vanishes as the parameter goes to 0.
         place: whether it is a place along the beam.
         fitted: bounds of a fit, where they depend on the recordings or the rig, or are closer than `low` and `high`.
+        usual: range, the upper end excluded, or as a function of the rig, outside of which a finding is implausible:
+            bounds are wider, so that a fit that wants to leave it shows that it does.
         by_recording: whether each recording has a value of its own, which then stands in the law in its place; the
             parameter itself is their standard deviation.
         shown: the unit in which people speak of it, and the factor from SI, where SI's own is not that.
@@ -63,6 +66,7 @@ class Parameter:
     fitted: Bounds | None = None
     shown: tuple[str, float] | None = None
     by_recording: bool = False
+    usual: Range | Callable[[Rig], Range] | None = None
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():
@@ -74,6 +78,8 @@ class Parameter:
         for value in (self.typical, *self.fixed_starts):
             if not self.low <= value <= self.high:
                 raise EffectError(f"{self.name}: {value:g} lies outside its bounds, {self.low:g} to {self.high:g}")
+        if isinstance(self.usual, tuple) and not self.usual[0] <= self.typical < self.usual[1]:
+            raise EffectError(f"{self.name}: typical is {self.typical:g}, outside the usual range")
         if self.typical == 0.0:
             raise EffectError(f"{self.name}: typical is 0; give a size at which the effect matters")
 
@@ -81,6 +87,15 @@ class Parameter:
     def fixed_starts(self) -> tuple[float, ...]:
         """Where fits begin whatever the recordings and the rig."""
         return () if callable(self.starts) else self.starts
+
+    def usual_on(self, rig: Rig) -> Range | None:
+        """The range of plausible values on this rig, the upper end excluded; `None` if any is."""
+        return self.usual(rig) if callable(self.usual) else self.usual
+
+    def plausible(self, value: float, rig: Rig) -> bool:
+        """Whether a value is in the usual range."""
+        usual = self.usual_on(rig)
+        return usual is None or usual[0] <= value < usual[1]
 
     def neutral_on(self, rig: Rig) -> float:
         """Where the effect does nothing on this rig, in the parameter's unit."""

@@ -12,15 +12,31 @@ _OF_VELOCITY = (("velocity", False),)
 _DRY = (("position", True), ("roll_angle", True), ("time", True))
 
 
+STEEP = 0.05
+"""A friction, as a share of the normal force, that holds a ball on a slope of 3°: where one rolls it is implausible."""
+_SLOW = 0.1  # a drag is implausible if it lets the ball roll no faster down that slope [m/s]
+
+
 def _coefficient(name: str, start: float, typical: float = 0.003) -> Parameter:
     """A coefficient of resistance to rolling; with the greatest the ball would stand on a slope of 27°."""
-    return Parameter(name, "1", 0.0, 0.5, typical, starts=(start,), strength=True)
+    return Parameter(name, "1", 0.0, 0.5, typical, starts=(start,), strength=True, usual=(0.0, STEEP))
 
 
 VISCOUS_DAMPING = Effect(
     "viscous_damping",
     "F = −c ṡ",
-    (Parameter("coefficient", "N s/m", 0.0, 10.0, 0.02, starts=(0.006,), strength=True),),
+    (
+        Parameter(
+            "coefficient",
+            "N s/m",
+            0.0,
+            10.0,
+            0.02,
+            starts=(0.006,),
+            strength=True,
+            usual=lambda rig: (0.0, STEEP * rig.mass * rig.gravity / _SLOW),
+        ),
+    ),
     "Stokes, Trans. Cambridge Phil. Soc. 9, 1851",
     write=adding(lambda k, rig, v: {slots.VISCOUS: k * v["coefficient"] / rig.mass}),
     phrase="a viscous damping of {coefficient}",
@@ -29,7 +45,18 @@ VISCOUS_DAMPING = Effect(
 QUADRATIC_DRAG = Effect(
     "quadratic_drag",
     "F = −c |ṡ| ṡ",
-    (Parameter("coefficient", "N s²/m²", 0.0, 100.0, 0.1, starts=(0.03,), strength=True),),
+    (
+        Parameter(
+            "coefficient",
+            "N s²/m²",
+            0.0,
+            100.0,
+            0.1,
+            starts=(0.03,),
+            strength=True,
+            usual=lambda rig: (0.0, STEEP * rig.mass * rig.gravity / _SLOW**2),
+        ),
+    ),
     "Rayleigh, Phil. Mag. 2, 1876",
     write=adding(lambda k, rig, v: {slots.QUADRATIC: k * v["coefficient"] / rig.mass}),
     phrase="a quadratic drag of {coefficient}",

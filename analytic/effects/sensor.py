@@ -13,7 +13,10 @@ from analytic.rig import Rig
 CHANNEL_DELAY = Effect(
     "channel_delay",
     "the position at t is recorded at t + delay (negative: the angle is late)",
-    (Parameter("delay", "s", -1.0, 1.0, 0.02, starts=(0.0,), strength=True, shown=("ms", 1e3)),),
+    (
+        # who sees the ball half a second late, or its beam, does not balance it
+        Parameter("delay", "s", -1.0, 1.0, 0.02, starts=(0.0,), strength=True, shown=("ms", 1e3), usual=(-0.5, 0.5)),
+    ),
     "transport delay",
     sensor=lambda values: SensorLaw(delay=values["delay"]),
     phrase="a delay of {delay} of the position against the angle",
@@ -23,7 +26,8 @@ CHANNEL_DELAY = Effect(
 POSITION_GAIN = Effect(
     "position_gain",
     "recorded position = gain × position",
-    (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0),),
+    # half or twice the position is another unit, not an error of scale
+    (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0, usual=(0.5, 2.0)),),
     "a scale error of the position sensor",
     sensor=lambda values: SensorLaw(gain=values["gain"]),
     phrase="a gain of {gain} between real and recorded position",
@@ -33,7 +37,11 @@ POSITION_LAG = Effect(
     "position_lag",
     "recorded position is a first-order lag of the position",
     # behind a lag that is longer than a move along the beam takes, some 2 s, the sensor shows no ball
-    (Parameter("time_constant", "s", 0.0, 2.0, 0.03, starts=(0.01,), strength=True, shown=("ms", 1e3)),),
+    (
+        Parameter(
+            "time_constant", "s", 0.0, 2.0, 0.03, starts=(0.01,), strength=True, shown=("ms", 1e3), usual=(0.0, 1.0)
+        ),
+    ),
     "first-order low pass",
     sensor=lambda values: SensorLaw(lag=values["time_constant"]),
     phrase="a lag of {time_constant} of the position sensor",

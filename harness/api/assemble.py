@@ -128,9 +128,10 @@ def _baselines(compared: BaselineComparison) -> BaselinesRecord:
     return BaselinesRecord(
         known_s=KNOWN,
         ahead_s=AHEAD,
-        windows=compared.windows,
+        blocks=compared.blocks,
         rms_m={source: compared.rms(source) for source in compared.errors},
-        windows_won={name: compared.won(name) for name in BASELINES},
+        errors_m={source: tuple(errors.tolist()) for source, errors in compared.errors.items()},
+        blocks_won={name: compared.won(name) for name in BASELINES},
         better_by_m={name: one and MarginRecord.model_validate(one) for name, one in margins.items()},
     )
 

@@ -43,10 +43,11 @@ class Case(Summarised, CheckedCase):
 
 
 def load_case(path: str | Path = cases.BUNDLED) -> Case:
-    """Read a case: a folder, its `rig.toml`, or a single CSV recording of the paper's rig.
+    """Read a case: a folder, its `rig.toml`, a single CSV recording of the paper's rig, or a built-in case.
 
     Args:
-        path: of the case; without one, the bundled recordings, which are simulated.
+        path: of the case, or the name of a built-in one: `paper_protocol`, which is simulated and the default, or
+            `open_ball_beam`, which was measured.
 
     Raises:
         InputError: anything in it cannot be used; nothing is returned in part.

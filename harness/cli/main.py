@@ -97,6 +97,7 @@ def main() -> None:
     \b
     Examples:
       harness run                       the bundled, simulated recording of the paper's protocol
+      harness diagnose open_ball_beam   a bundled recording that was measured
       harness run my_rig/               a folder with rig.toml and CSV recordings
       harness run swing.csv             one recording of the paper's rig
       harness diagnose my_rig/          missing physics by name, with parameters and intervals
@@ -174,9 +175,9 @@ def main() -> None:
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
 
-    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed); without one
-    the bundled recording is used, which is simulated. Writes report.html, trajectories.csv, metrics.csv and
-    manifest.json.
+    CASE is a folder with rig.toml and CSV recordings, a CSV file (then the paper's rig is assumed), or a bundled case:
+    paper_protocol, which is simulated and the default, or open_ball_beam, which was measured. Writes report.html,
+    trajectories.csv, metrics.csv and manifest.json.
 
     \b
     Examples:
@@ -205,13 +206,15 @@ def run(case: Path | None, **options: Any) -> None:
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.
 
-    CASE is a folder with rig.toml and CSV recordings, or a CSV file (then the paper's rig is assumed). Writes
-    diagnosis.json and diagnosis.html, prediction_*.csv for every recording that rig.toml lists to predict, and
-    next_experiment.csv, the beam angle [rad] to record next, if one is proposed. Values are in SI units. If an engine,
-    a candidate or a section of the report fails, the rest is written, and the exit code is 3.
+    CASE is a folder with rig.toml and CSV recordings, a CSV file (then the paper's rig is assumed), or a bundled case:
+    paper_protocol (simulated) or open_ball_beam (measured). Writes diagnosis.json and diagnosis.html, prediction_*.csv
+    for every recording that rig.toml lists to predict, and next_experiment.csv, the beam angle [rad] to record next, if
+    one is proposed. Values are in SI units. If an engine, a candidate or a section of the report fails, the rest is
+    written, and the exit code is 3.
 
     \b
     Examples:
+      harness diagnose open_ball_beam
       harness diagnose my_rig/
       harness diagnose my_rig/ --effects magnet.py
       harness diagnose my_rig/ --also my_rig/swing_07.csv

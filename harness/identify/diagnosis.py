@@ -120,7 +120,9 @@ def diagnose(
                 lambda: _next_experiment(identified, length, validating),
                 None,
             ),
-            baselines=attempt(failures, Part.BASELINES, "", lambda: compare_with_baselines(held, validating), None),
+            baselines=attempt(
+                failures, Part.BASELINES, "", lambda: compare_with_baselines(problem, base, found, validating), None
+            ),
             hidden=hidden_by(problem.unknown),
             engines=engines(),
         )

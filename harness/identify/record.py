@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from harness.errors import InputError
 from harness.failures import described
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the format."""
 FILE = "diagnosis.json"
 SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
@@ -58,13 +58,15 @@ class ParameterRecord(Part):
 class EffectRecord(Part):
     """An identified effect; `effect["coefficient"]` is its parameter of that name.
 
-    `by_recording` has its value in each recording where these differ.
+    `by_recording` has its value in each recording where these differ. `implausible` names the parameters whose value is
+    outside the usual range.
     """
 
     name: str
     parameters: dict[str, ParameterRecord]
     indistinguishable_from: tuple[str, ...]
     by_recording: dict[str, ParameterRecord] = {}
+    implausible: tuple[str, ...] = ()
 
     def __getitem__(self, parameter: str) -> ParameterRecord:
         return self.parameters[parameter]
@@ -162,13 +164,18 @@ class MarginRecord(Part):
 
 
 class BaselinesRecord(Part):
-    """Held-out windows predicted by the model and by the baselines `double_integrator` and `output_error`."""
+    """Held-out blocks predicted by the model, `before` and `after`, and by the baselines.
+
+    `errors_m` has the RMS error of every block by source, `rms_m` that over all blocks. Windows of `known_s` and then
+    `ahead_s` that overlap are one block.
+    """
 
     known_s: Finite
     ahead_s: Finite
-    windows: int
+    blocks: int
     rms_m: dict[str, Number]
-    windows_won: dict[str, int]
+    errors_m: dict[str, tuple[Number, ...]]
+    blocks_won: dict[str, int]
     better_by_m: dict[str, MarginRecord | None]
 
 
@@ -369,7 +376,7 @@ class FailureRecord(Part):
 class DiagnosisRecord(Part):
     """diagnosis.json."""
 
-    version: Literal[2] = Field(default=2, alias="schema", description="Version of this format.")
+    version: Literal[3] = Field(default=3, alias="schema", description="Version of this format.")
     verdict: Literal["none", "effect", "unlisted", "not_identifiable"]
     sentence: str
     effects: tuple[EffectRecord, ...]

@@ -43,12 +43,14 @@ class IdentifiedEffect:
     """An identified effect: its parameters by name, and the effects that are indistinguishable from it.
 
     `by_recording` has the value in each recording of an effect that differs between them; else it is empty.
+    `implausible` names the parameters whose value is outside the usual range: the effect may stand for something else.
     """
 
     name: str
     parameters: Mapping[str, Estimate]
     indistinguishable_from: tuple[str, ...]
     by_recording: Mapping[str, Estimate] = field(default_factory=dict)
+    implausible: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,11 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
         half = TWO_SIDED * found.inflation(problem.settings) * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
     rivals = _rivals(name, found, ledger, Criterion(problem.settings))
-    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), _by_recording(problem, acting.effect, found))
+    implausible = tuple(
+        one.name for one in acting.effect.parameters if not one.plausible(acting.values[one.name], problem.rig)
+    )
+    each = _by_recording(problem, acting.effect, found)
+    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), each, implausible)
 
 
 def _by_recording(problem: Problem, effect: Effect, found: Fit) -> dict[str, Estimate]:

@@ -12,8 +12,13 @@ from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
 
-BUNDLED = Path(__file__).parents[1] / "data" / "paper_protocol"
-"""The case that ships with the package: simulated, the paper's protocol."""
+_DATA = Path(__file__).parents[1] / "data"
+BUNDLED = _DATA / "paper_protocol"
+"""The default case: simulated, the paper's protocol."""
+MEASURED = _DATA / "open_ball_beam"
+"""A measured recording of another rig, under the MIT licence (LICENSE in its folder)."""
+BUILT_IN = {path.name: path for path in (BUNDLED, MEASURED)}
+"""Cases that ship with the package, by the names that stand for their paths."""
 RIG_FILE = "rig.toml"
 EXAMPLE = '[recordings] identify = ["rec_01.csv"]'
 NO_RIG_FILE = (
@@ -67,15 +72,22 @@ def case_name(path: Path) -> str:
     return path.parent.name if path.name == RIG_FILE else path.stem
 
 
+def case_path(path: str | Path) -> Path:
+    """The path of a case; of a built-in one, if there is no such file or folder but this is its name."""
+    path = Path(path)
+    return path if path.exists() else BUILT_IN.get(str(path), path)
+
+
 def load_case(path: str | Path) -> Case:
-    """Reads a case: a folder, its `rig.toml`, or a single CSV recording.
+    """Reads a case: a folder, its `rig.toml`, a single CSV recording, or a built-in case by its name.
 
     Raises:
         InputError: any part of the case is invalid.
     """
-    path = Path(path)
+    path = case_path(path)
     if not path.exists():
         names = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
+        names += BUILT_IN if len(path.parts) == 1 else []
         hint = did_you_mean(path.name, names) or " Check the path."
         raise InputError(f"{path}: there is no such file or folder.{hint}")
     if path.is_dir():

@@ -5,16 +5,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from analytic.effects import CATALOGUE, Parameter
+from analytic.effects.resistance import STEEP
 from analytic.rig import Rig
 from harness.failures import Part
 from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.spline_term import Regressor
+from harness.identify.problem.windows import AHEAD
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
 _MAX_NAMES = 5  # further names are counted instead of listed
+_HEADLINE = f"{AHEAD:g} s"  # horizon of the error that is told
 
 DEPENDENCES: Mapping[Regressor, str] = {
     Regressor.POSITION: "the ball's position",
@@ -69,8 +72,12 @@ def phrase(finding: IdentifiedEffect, rig: Rig) -> str:
         first = effect.parameters[0]
         unit, factor = first.shown or (first.unit, 1.0)
         return effect.phrase.format(**said, declared=f"{number(factor * first.neutral_on(rig), 4)} {unit}")
-    name = words(finding.name)
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name} ({', '.join(f'{words(k)} {v}' for k, v in said.items())})"
+    return f"{_one(finding.name)} ({', '.join(f'{words(k)} {v}' for k, v in said.items())})"
+
+
+def _one(name: str) -> str:
+    """`a level error`, `an angle gain`."""
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {words(name)}"
 
 
 def _value(parameter: Parameter | None, one: Estimate) -> str:
@@ -85,12 +92,24 @@ def _far_above_noise_floor(diagnosis: Diagnosis) -> bool:
 
 
 def _found(diagnosis: Diagnosis) -> str:
-    return listed([phrase(one, diagnosis.problem.rig) + _or(one) for one in diagnosis.effects])
+    rig = diagnosis.problem.rig
+    each = [phrase(one, rig) + _or(one) + _implausible(one, rig) for one in diagnosis.effects]
+    return listed(each).replace(",,", ",")
 
 
 def _or(finding: IdentifiedEffect) -> str:
     rivals = [words(name) for name in finding.indistinguishable_from]
     return f" (indistinguishable from {' or '.join(rivals)})" if rivals else ""
+
+
+def _implausible(finding: IdentifiedEffect, rig: Rig) -> str:
+    """A clause on a size that physics does not account for; it ends with a comma."""
+    if not finding.implausible:
+        return ""
+    parameters = {one.name: one for one in CATALOGUE[finding.name].parameters}
+    usual = parameters[finding.implausible[0]].usual_on(rig)
+    small = usual is not None and 0.0 <= finding.parameters[finding.implausible[0]].value < usual[0]
+    return f", which is implausibly {'small' if small else 'large'} for {_one(finding.name)},"
 
 
 def _some(names: Sequence[str]) -> str:
@@ -104,17 +123,24 @@ def _spline_term(diagnosis: Diagnosis) -> str:
     most = float(np.max(np.abs(spline.nodes)))
     depends = DEPENDENCES[spline.depends]
     if spline.friction:
-        return f"a dry friction that depends on {depends} (by up to {number(most, 2)} of the normal force)"
+        large = ", which is implausibly large for a ball that rolls" if most >= STEEP else ""
+        return f"a dry friction that depends on {depends} (by up to {number(most, 2)} of the normal force{large})"
     return f"a force that depends on {depends} (up to {number(1e3 * diagnosis.problem.rig.mass * most, 2)} mN)"
 
 
 def _ends(heldout: BeforeAfter) -> tuple[str, float, float] | None:
-    """Over what the held-out error is told, before and after [m]: the rest of a recording, else the longest windows."""
+    """Over what the held-out error is told, before and after [m].
+
+    Windows of 3 s, else the longest shorter ones, else the rest of a recording: a free run over all of that diverges on
+    a beam, which is unstable.
+    """
     both = [name for name in heldout.before.rms if name in heldout.after.rms]
     if not both:
         return None
-    span = "" if both[-1] == "whole" else f" over {both[-1]}"
-    return span, heldout.before.rms[both[-1]], heldout.after.rms[both[-1]]
+    windows = [name for name in both if name != "whole"]
+    name = _HEADLINE if _HEADLINE in windows else windows[-1] if windows else both[-1]
+    span = "" if name == "whole" else f" over {name}"
+    return span, heldout.before.rms[name], heldout.after.rms[name]
 
 
 def _fall(diagnosis: Diagnosis) -> str:

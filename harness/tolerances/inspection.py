@@ -70,7 +70,7 @@ def inspect(
     """
     settings = read_settings(parameters, assignments)
     case = load_case(path)
-    limits = tolerances_for(path, tolerances)
+    limits = tolerances_for(case.path, tolerances)
     names = tuple(dict.fromkeys(engines)) or limits.engines
     chosen = tuple((engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names))
     _refuse_unused(names, settings, limits)

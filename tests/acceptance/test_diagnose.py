@@ -24,7 +24,7 @@ def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> Non
     assert done.code == 0, done.err
     found = json.loads((tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8"))
     assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(found)
-    assert (found["schema"], found["verdict"], found["unlisted"]) == (2, "effect", None)
+    assert (found["schema"], found["verdict"], found["unlisted"]) == (3, "effect", None)
     (effect,) = found["effects"]
     assert set(effect) == {"name", "parameters", "indistinguishable_from", "by_recording"}
     assert effect["name"] == "rolling_resistance"

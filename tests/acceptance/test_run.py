@@ -194,11 +194,11 @@ def test_simulated_cases_run(harness: Harness, shared: Path, name: str) -> None:
 
 @pytest.mark.slow
 def test_the_bundled_real_recording_runs(harness: Harness) -> None:
-    """Compare the measured recording that is part of the repository: every file, windows, lost balls by name.
+    """Compare the measured recording that is a built-in case, by its name: every file, windows, lost balls by name.
 
     Its angle is the commanded one: within the servo's lag the engines may lose the ball, and say when.
     """
-    done = harness("run", BUNDLED_RIG, "--json")
+    done = harness("run", BUNDLED_RIG.name, "--json")
     answer = json.loads(done.out)
     assert done.code == (3 if answer["failures"] else 0), done.err
     assert all(" failed at t = " in failure for failure in answer["failures"])

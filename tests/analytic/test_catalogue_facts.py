@@ -150,3 +150,31 @@ def test_one_effect_stands_for_each_unknown_quantity() -> None:
     tilted = parameters_with(CAM, RIG.with_(level_angle=0.01), NOTHING)
     p = parameters_with(CAM, RIG.with_(level_angle=0.0), [acting(level.name, {"angle": 0.01})])
     assert [acceleration(*state, p) for state in STATES] == [acceleration(*state, tilted) for state in STATES]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "largest"),
+    [
+        ("rolling_resistance", "coefficient", 0.05),  # tan 2.9°
+        ("angle_gain", "gain", 2.0),
+        ("position_gain", "gain", 2.0),
+        ("angle_lag", "time_constant", 1.0),
+        ("position_lag", "time_constant", 1.0),
+    ],
+)
+def test_absurd_sizes_are_implausible(name: str, parameter: str, largest: float) -> None:
+    """Call a friction implausible that holds a ball on 3°, a gain of two, and a lag of a second."""
+    (one,) = [each for each in CATALOGUE[name].parameters if each.name == parameter]
+    assert not one.plausible(largest, Rig())
+    assert one.plausible(0.99 * largest, Rig())
+    assert one.plausible(one.typical, Rig())
+
+
+def test_a_drag_is_judged_by_what_it_does_to_a_ball() -> None:
+    """Call a drag implausible that lets a ball roll no faster than 0.1 m/s down a slope of 0.05, whatever its mass."""
+    for rig in (Rig(), Rig(mass=0.0027)):
+        weight = 0.05 * rig.mass * rig.gravity
+        for name, largest in (("viscous_damping", weight / 0.1), ("quadratic_drag", weight / 0.1**2)):
+            (one,) = CATALOGUE[name].parameters
+            assert one.plausible(0.99 * largest, rig)
+            assert not one.plausible(1.01 * largest, rig)

@@ -7,6 +7,7 @@ import pytest
 
 from analytic.effects import CATALOGUE, Acting, Effect, Force, Parameter, acting, motion_with, parameters_with, rig_with
 from analytic.effects.effect import EngineEntry, Transmission
+from analytic.effects.force import EffectError
 from analytic.effects.sensor_law import SensorLaw
 from analytic.models import CAM, CUM
 from analytic.motion import BeamMotion, FloatArray
@@ -43,6 +44,18 @@ def test_a_parameter_knows_its_usual_size() -> None:
     assert FACTOR.size(RIG) == pytest.approx(0.05)
     assert RADIUS.size(RIG) == pytest.approx(0.0005)
     assert [one.neutral_on(RIG) for one in (PLAIN, FACTOR, RADIUS)] == [0.0, 1.0, 0.01]
+
+
+def test_a_value_outside_the_usual_range_is_implausible() -> None:
+    """Take the upper end, at which a fit may be held by a bound, as outside; a range may depend on the rig."""
+    lag = Parameter("lag", "s", 0.0, 1.0, 0.05, usual=(0.0, 1.0))
+    assert [lag.plausible(value, RIG) for value in (-0.1, 0.0, 0.5, 1.0)] == [False, True, True, False]
+    radius = Parameter("radius", "m", 1e-3, 0.1, 0.011, usual=lambda rig: (0.0, rig.rolling_radius))
+    assert [radius.plausible(value, RIG) for value in (0.009, 0.011)] == [True, False]
+    assert radius.usual_on(RIG) == (0.0, 0.01)
+    assert PLAIN.plausible(1e3, RIG)
+    with pytest.raises(EffectError, match=r"typical is 0\.05, outside the usual range"):
+        Parameter("lag", "s", 0.0, 1.0, 0.05, usual=(0.0, 0.05))
 
 
 def test_a_fit_begins_where_the_parameter_says() -> None:

@@ -57,7 +57,7 @@ def test_a_record_comes_back_as_it_was(record: DiagnosisRecord, tmp_path: Path) 
 def test_the_contract_holds(record: DiagnosisRecord) -> None:
     """Have the keys that other programs read."""
     content = json.loads(record.text())
-    assert content["schema"] == 2
+    assert content["schema"] == 3
     assert {"verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= content.keys()
     assert {"identify", "heldout", "engines"} <= content["errors"].keys()
     assert {"before", "after"} == content["errors"]["heldout"].keys()
@@ -75,7 +75,7 @@ def test_what_is_no_number_is_null() -> None:
 
 def _older(content: dict[str, Any]) -> str:
     content["schema"] = 1
-    return r"schema 1, not 2\); diagnose anew"
+    return r"schema 1, not 3\); diagnose anew"
 
 
 def _strange(content: dict[str, Any]) -> str:
@@ -124,6 +124,6 @@ def test_other_programs_find_what_they_read() -> None:
     assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(schema["properties"])
     assert parts["UnlistedRecord"] == {"depends_on", "shape"}
     assert parts["ParameterRecord"] == {"value", "low", "high", "unit"}
-    assert parts["EffectRecord"] == {"name", "parameters", "indistinguishable_from", "by_recording"}
+    assert parts["EffectRecord"] == {"name", "parameters", "indistinguishable_from", "by_recording", "implausible"}
     assert {"identify", "heldout", "engines"} <= parts["AllErrorsRecord"]
     assert {"effect", "kept", "because"} <= parts["LedgerLine"]

@@ -11,6 +11,7 @@ import pytest
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording import Case, KnownRig, load_case
+from harness.recording.case import BUILT_IN
 from tests.recording.simulated import ANGLE_STEP, POSITION_STEP, contract_columns, write
 
 RIG = '[ball]\nmass_kg = 0.071\n[recordings]\nidentify = ["a.csv"]\npredict = ["b.csv"]\n'
@@ -136,6 +137,37 @@ def test_empty_folder(tmp_path: Path) -> None:
     """Refuse a folder without recordings."""
     with pytest.raises(InputError, match="contains no CSV recording"):
         load_case(tmp_path)
+
+
+@pytest.mark.parametrize(("name", "simulated"), [("paper_protocol", True), ("open_ball_beam", False)])
+def test_built_in_cases_have_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, simulated: bool) -> None:
+    """Read a case of the package by its name from anywhere, and say whether it was measured."""
+    monkeypatch.chdir(tmp_path)
+    case = load_case(name)
+    assert (case.name, case.simulated) == (name, simulated)
+    assert case.origin is not None
+    assert case.origin.startswith("simulated" if simulated else "measured")
+
+
+def test_a_folder_comes_before_a_built_in_case(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read the user's folder where it has the name of a built-in case."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "open_ball_beam").symlink_to(folder)
+    assert load_case("open_ball_beam").identify == ("a.csv",)
+
+
+def test_a_built_in_name_misspelt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Suggest it."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=r"Did you mean .*open_ball_beam"):
+        load_case("open_ball_bean")
+
+
+def test_the_licence_comes_with_the_measured_recording() -> None:
+    """Keep the notice that its licence demands beside the copy of the data, which is the only one."""
+    notice = (BUILT_IN["open_ball_beam"] / "LICENSE").read_text(encoding="utf-8")
+    assert "Copyright (c) 2021 Benjamin Gravell" in notice
+    assert "The above copyright notice and this permission notice shall be included in all\ncopies" in notice
 
 
 def test_path_misspelt(folder: Path) -> None:

@@ -1,36 +1,45 @@
-"""The baselines' section says who predicts better, and does not claim more than the windows carry."""
+"""The baselines' section says who predicts better, and does not claim more than the blocks carry."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from harness.identify.validation.baseline_comparison import AFTER, BEFORE, BLACK_BOX, INTEGRATOR, BaselineComparison
-from harness.report.diagnosis.baselines import _answer, _table
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
+from harness.identify.validation.baselines import BLACK_BOXES
+from harness.report.diagnosis.baselines import TITLES, _answer, _table
 
 ONE = 1e-3 * np.array([1.0, 2.0, 1.5, 2.5, 1.2, 1.8])
+WORSE = {BEFORE: 2.0 * ONE, AFTER: ONE} | dict.fromkeys(BASELINES, 3.0 * ONE)
 
 
 @pytest.mark.parametrize(
-    ("integrator", "black_box", "said"),
+    ("changed", "said"),
     [
-        (3.0 * ONE, 2.0 * ONE, "better than both baselines, beyond"),
-        (3.0 * ONE, 1.01 * ONE[::-1], "do not make it sure of the output-error model"),
-        (0.5 * ONE, 2.0 * ONE, "no better than the double integrator:"),
-        (3.0 * ONE[:3], 2.0 * ONE[:3], "too few windows"),
+        ({}, "better than all baselines, beyond"),
+        ({"output_error_3": 1.01 * ONE[::-1]}, "not make it sure of the output-error model of order 3."),
+        ({"double_integrator": 0.5 * ONE}, "no better than the double integrator:"),
+        ({"at_rest": 0.5 * ONE, "output_error_2": 0.9 * ONE}, "no better than the ball at rest and output-error model"),
     ],
-    ids=["both beaten", "one perhaps", "one not", "too few"],
+    ids=["all beaten", "one perhaps", "one not", "two not"],
 )
-def test_the_answer_goes_with_the_margins(integrator, black_box, said):
-    """Claim a significant improvement only if both intervals are above 0."""
-    own = ONE[: len(integrator)]
-    made = BaselineComparison({BEFORE: 2.0 * own, AFTER: own, INTEGRATOR: integrator, BLACK_BOX: black_box})
-    assert said in _answer(made)
+def test_the_answer_goes_with_the_margins(changed, said):
+    """Claim a significant improvement only if all intervals are above 0."""
+    assert said in _answer(BaselineComparison(WORSE | changed))
+
+
+def test_three_blocks_allow_no_answer():
+    """Say that there are too few."""
+    assert "too few blocks" in _answer(BaselineComparison({name: errors[:3] for name, errors in WORSE.items()}))
 
 
 def test_every_contender_has_a_row_and_the_best_is_set_apart():
-    """Count the windows, and mark the least RMS error."""
-    made = BaselineComparison({BEFORE: 2.0 * ONE, AFTER: ONE, INTEGRATOR: 3.0 * ONE, BLACK_BOX: 4.0 * ONE})
-    rows = _table(made).rows
-    assert [row.kind == "best" for row in rows] == [False, True, False, False]
-    assert [row.cells[-1] for row in rows] == ["—", "—", "6 of 6", "6 of 6"]
+    """Count the blocks, and mark the least RMS error."""
+    rows = _table(BaselineComparison(WORSE)).rows
+    assert [row.kind == "best" for row in rows] == [False, True, *[False] * len(BASELINES)]
+    assert [row.cells[-1] for row in rows] == ["—", "—", *["6 of 6"] * len(BASELINES)]
+
+
+def test_black_boxes_are_called_so():
+    """Say of the output-error models, and of them alone, what they are fitted to."""
+    assert {name for name in TITLES if "a black box fitted to the forecast" in TITLES[name]} == set(BLACK_BOXES)

@@ -104,7 +104,7 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
     """Say the verdict in words, before the first picture, with the value that was put in."""
     top = html[: html.index("<figure>")]
     assert re.search(r"A rolling resistance of 0\.00(39|40)\d* ± \S+ was missing", top)
-    assert "the held-out error decreases from" in top
+    assert "the held-out error over 3 s decreases from" in top
     assert "simulated data" in top
 
 
@@ -117,6 +117,18 @@ def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     assert cells == pytest.approx(
         [estimate.value, estimate.low, estimate.high], abs=0.1 * (estimate.high - estimate.low)
     )  # the width is printed with two digits
+
+
+def test_an_implausible_size_is_a_caveat(html, diagnosis, record, case):
+    """Say of a parameter outside its usual range what that range is, and nothing of one inside."""
+    steep = replace(
+        diagnosis.effects[0], parameters={"coefficient": Estimate(0.12, 0.11, 0.13, "1")}, implausible=("coefficient",)
+    )
+    page = render_diagnosis(replace(diagnosis, effects=(steep,)), record, case, command="")
+    said = "<code>rolling_resistance</code> has a <code>coefficient</code> outside 0 … 0.0500"
+    assert said in page
+    assert "which is implausibly large for a rolling resistance, was missing" in page
+    assert "mplausibl" not in html
 
 
 def test_errors_stand_by_source_and_horizon(html):

@@ -23,14 +23,14 @@ LEVEL = IdentifiedEffect("level_error", {"angle": Estimate(-0.0025, -0.00251, -0
 
 
 def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] = (), **changes: Any) -> str:
-    """The sentence of a diagnosis with these findings, whose held-out error falls from 174 mm to 0.3 mm."""
+    """The sentence of a diagnosis with these findings, whose held-out error over 3 s falls from 174 to 0.3 mm."""
     names = tuple(one.name for one in findings)
     at = Terms(recordings=(), effects=(), phases=np.zeros(2), spline=changes.get("spline"))
     process_noise = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
     found = Fit(
         Hypothesis(names, at.spline), np.zeros(0), at, process_noise, 0.0, np.zeros((0, 0)), posed.problem.readings
     )
-    rms = changes.get("rms", ({"1 s": 0.02, "whole": 0.174}, {"1 s": 0.0003, "whole": 0.0003}))
+    rms = changes.get("rms", ({"1 s": 0.02, "3 s": 0.174, "whole": 17.0}, {"1 s": 0.0002, "3 s": 0.0003, "whole": 9.0}))
     heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
     unseen = changes.get("unseen", ())
     return sentence(
@@ -43,7 +43,8 @@ def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] 
 def test_one_effect(plain: Posed) -> None:
     """Name it in words, with its size and what it brings."""
     assert said(plain, Verdict.EFFECT, (ROLLING,)) == (
-        "A rolling resistance of 0.0041 ± 0.0004 was missing; the held-out error decreases from 174 mm to 0.30 mm."
+        "A rolling resistance of 0.0041 ± 0.0004 was missing; the held-out error over 3 s decreases from 174 mm to "
+        "0.30 mm."
     )
 
 
@@ -52,8 +53,31 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
     level = IdentifiedEffect("level_error", LEVEL.parameters, ("track_curvature",))
     assert said(plain, Verdict.EFFECT, (ROLLING, level)) == (
         "A rolling resistance of 0.0041 ± 0.0004 and a level error of −0.1432 ± 0.0006° (indistinguishable from "
-        "track curvature) were missing; the held-out error decreases from 174 mm to 0.30 mm."
+        "track curvature) were missing; the held-out error over 3 s decreases from 174 mm to 0.30 mm."
     )
+
+
+def test_an_implausible_size_is_called_so(plain: Posed) -> None:
+    """Say of a friction that would hold the ball on a steep beam, and of a small gain, that it is implausible."""
+    steep = IdentifiedEffect(
+        "rolling_resistance",
+        {"coefficient": Estimate(0.12, 0.11, 0.13, "1")},
+        ("stribeck_friction",),
+        {},
+        ("coefficient",),
+    )
+    gain = IdentifiedEffect("angle_gain", {"gain": Estimate(0.3, 0.29, 0.31, "1")}, (), {}, ("gain",))
+    assert said(plain, Verdict.EFFECT, (steep,)).startswith(
+        "A rolling resistance of 0.120 ± 0.010 (indistinguishable from stribeck friction), which is implausibly large "
+        "for a rolling resistance, was missing; the held-out error"
+    )
+    assert said(plain, Verdict.EFFECT, (gain, ROLLING)).startswith(
+        "A gain of 0.300 ± 0.010 between measured and real beam angle, which is implausibly small for an angle gain, "
+        "and a rolling resistance of 0.0041 ± 0.0004 were missing;"
+    )
+    nodes = np.full(12, 0.3)
+    text = said(plain, Verdict.UNLISTED, spline=SplineTerm(Regressor.POSITION, True, 0.0, 0.1, nodes))
+    assert "(by up to 0.30 of the normal force, which is implausibly large for a ball that rolls)" in text
 
 
 @pytest.mark.parametrize("friction", [False, True])
@@ -66,14 +90,14 @@ def test_a_spline_term(plain: Posed, depends: Regressor, friction: bool) -> None
     assert DEPENDENCES[depends] in text
     force = 1e3 * plain.problem.rig.mass * 0.05
     assert ("0.050 of the normal force" if friction else f"up to {force:.1f} mN") in text
-    assert "beside a rolling resistance of 0.0041 ± 0.0004; the held-out error decreases" in text
+    assert "beside a rolling resistance of 0.0041 ± 0.0004; the held-out error over 3 s decreases" in text
 
 
 def test_nothing(plain: Posed) -> None:
     """Report that nothing was found, and the held-out error."""
     text = said(plain, Verdict.NONE)
     assert text.startswith("No missing effect was found")
-    assert text.endswith("the held-out error is 174 mm.")
+    assert text.endswith("the held-out error over 3 s is 174 mm.")
 
 
 def test_what_cannot_be_told(plain: Posed) -> None:
@@ -94,11 +118,15 @@ def test_what_is_left_unexplained(plain: Posed) -> None:
 
 
 def test_short_recordings_tell_what_they_can(plain: Posed) -> None:
-    """Use the longest windows, or report that the recordings are too short; name an increase as such."""
+    """Use windows of 3 s, else the longest shorter ones, else the rest; name an increase as such."""
+    longer = {"1 s": 0.02, "2 s": 0.03, "3 s": 0.04, "5 s": 0.09, "whole": 17.0}
+    assert "over 3 s is 40.0 mm" in said(plain, Verdict.NONE, rms=(longer, longer))
+    shorter = {"1 s": 0.02, "2 s": 0.03, "whole": 0.04}
+    assert "over 2 s is 30.0 mm" in said(plain, Verdict.NONE, rms=(shorter, shorter))
     window = said(plain, Verdict.EFFECT, (ROLLING,), rms=({"1 s": 0.02}, {"1 s": 0.001}))
     assert "the held-out error over 1 s decreases from 20.0 mm to 1.0 mm" in window
     assert "too short" in said(plain, Verdict.EFFECT, (ROLLING,), rms=({}, {}))
-    assert "increases from 1.0 mm to" in said(
+    assert "the held-out error increases from 1.0 mm to" in said(
         plain, Verdict.EFFECT, (ROLLING,), rms=({"whole": 0.001}, {"whole": 0.002})
     )
 

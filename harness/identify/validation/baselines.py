@@ -1,10 +1,13 @@
-"""Two baselines, which a diagnosis has to beat, fitted to the same recordings and compared on the same windows.
+"""Baselines, which a diagnosis has to beat, fitted to the same windows and compared on the same held-out blocks.
 
-The *double integrator* is s̈ = k (α + α₀). The *output-error model* of order two, s(t) = B(q)/F(q) α(t) with three
-coefficients in B and two in F, is a black box (Ljung, System Identification, 2nd ed., section 4.2); its constant input
-represents an angle offset.
+*At rest*, the ball stays where it was last; at *constant velocity*, it goes on as it went. They know nothing of the
+beam; over how many of the last known seconds their start is taken is fitted. The *double integrator* is
+s̈ = k (α + α₀). The *output-error models* of order two and three, s(t) = B(q)/F(q) α(t) with one coefficient more in B
+than in F, are black boxes (Ljung, System Identification, 2nd ed., section 4.2); their constant input represents an
+angle offset. In closed loop they may read the controller backwards: where the angle is a function of the position, a
+model of that function's inverse predicts the position from the angle and describes no beam.
 
-Both are linear but for F: gains and initial states follow by linear least squares, and only the two parameters of F are
+All are linear but for F: gains and initial states follow by linear least squares, and only the parameters of F are
 searched for (variable projection, Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973). They are fitted to free runs over
 windows as long as the predicted ones, which gives lower errors than whole recordings (docs/diagnosis_experiments.md).
 """
@@ -12,7 +15,7 @@ windows as long as the predicted ones, which gives lower errors than whole recor
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -22,13 +25,15 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
-from harness.identify.problem.windows import Window
+from harness.identify.problem.windows import KNOWN, Window
 
 # Bounds of F, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: growth by at most e⁵ in a second, decay within one or two
 # readings, oscillation below half the sampling rate.
 _SLOWEST, _FASTEST = -5.0, 4.0  # [1/s], [1 per step]
 _STARTS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped oscillator
-_DIFFERENCE = 1e-4  # relative step of finite differences in f₁ and f₀
+_FURTHER_STARTS = (0.5, 10.0)  # decay of a third pole [1/s]: slower than the beam's motion, and faster
+_DIFFERENCE = 1e-4  # relative step of finite differences in F
+_MEMORIES = (0.1, 0.2, 0.4, 0.7, 1.0, KNOWN)  # spans that the start of a baseline may be taken over [s]
 
 
 class Law(Protocol):
@@ -39,8 +44,34 @@ class Law(Protocol):
         ...
 
     def free(self, window: Window) -> FloatArray:
-        """Free response to each of two initial states, shape (m, 2)."""
+        """Free response to each initial state, shape (m, states)."""
         ...
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """s is constant."""
+
+    def driven(self, window: Window) -> FloatArray:
+        """Nothing drives it."""
+        return np.empty((len(window.time), 0))
+
+    def free(self, window: Window) -> FloatArray:
+        """1."""
+        return np.ones((len(window.time), 1))
+
+
+@dataclass(frozen=True)
+class ConstantVelocity:
+    """s̈ = 0."""
+
+    def driven(self, window: Window) -> FloatArray:
+        """Nothing drives it."""
+        return np.empty((len(window.time), 0))
+
+    def free(self, window: Window) -> FloatArray:
+        """1 and t."""
+        return np.column_stack((np.ones_like(window.time), window.time))
 
 
 @dataclass(frozen=True)
@@ -59,43 +90,70 @@ class DoubleIntegrator:
 
 @dataclass(frozen=True)
 class OutputError:
-    """B(q)/F(q) with poles exp(λ T), λ² + f₁ λ + f₀ = 0; `poles` are f₁ [1/s] and f₀ [1/s²]."""
+    """B(q)/F(q) with poles exp(λ T).
 
-    poles: tuple[float, float]
+    Of λ² + f₁ λ + f₀ = 0 and, for order three, λ = −f: `poles` are f₁ [1/s], f₀ [1/s²] and f [1/s].
+    """
+
+    poles: tuple[float, ...]
+
+    @property
+    def order(self) -> int:
+        """Of F."""
+        return len(self.poles)
 
     def denominator(self, step: float) -> FloatArray:
-        """Coefficients of F(q) in q⁰, q⁻¹, q⁻², shape (3,), for a sampling interval `step` [s]."""
-        first, zeroth = self.poles
+        """Coefficients of F(q) in q⁰, q⁻¹, …, shape (order + 1,), for a sampling interval `step` [s]."""
+        first, zeroth, *further = self.poles
         square = zeroth - 0.25 * first**2  # of the angular frequency
         cosine = math.cos(step * math.sqrt(square)) if square >= 0.0 else math.cosh(step * math.sqrt(-square))
-        return np.array([1.0, -2.0 * math.exp(-0.5 * first * step) * cosine, math.exp(-first * step)])
+        F = np.array([1.0, -2.0 * math.exp(-0.5 * first * step) * cosine, math.exp(-first * step)])
+        for rate in further:
+            F = np.convolve(F, [1.0, -math.exp(-rate * step)])
+        return F
 
     def driven(self, window: Window) -> FloatArray:
-        """α/F with delays of 0, 1 and 2 steps, and 1/F."""
+        """α/F with delays of 0 to `order` steps, and 1/F."""
         F = self.denominator(window.step)
         direct = lfilter([1.0], F, window.angle)
-        delayed = (np.concatenate((np.zeros(lag), direct[:-lag])) for lag in (1, 2))
+        delayed = (np.concatenate((np.zeros(lag), direct[:-lag])) for lag in range(1, self.order + 1))
         return window.at_stamps([direct, *delayed, lfilter([1.0], F, np.ones_like(direct))])
 
     def free(self, window: Window) -> FloatArray:
-        """1/F of an impulse at the first and at the second stamp."""
-        pulses = np.eye(2, len(window.grid))
+        """1/F of an impulse at each of the first stamps."""
+        pulses = np.eye(self.order, len(window.grid))
         return window.at_stamps(list(lfilter([1.0], self.denominator(window.step), pulses)))
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """A fitted law with its gains, shape (gains,)."""
+    """A fitted law with its gains, shape (gains,), and the last known seconds that its start is taken over."""
 
     law: Law
     gains: FloatArray
+    memory: float = KNOWN
 
     def predict(self, window: Window) -> FloatArray:
-        """Positions at all stamps of a window, shape (m,) [m]; the initial state by least squares on its known part."""
+        """Positions at all stamps of a window, shape (m,) [m].
+
+        The initial state follows by least squares on the end of the known part; from the last readings at least.
+        """
         driven, free = self.law.driven(window) @ self.gains, self.law.free(window)
-        known = window.known
-        initial = np.linalg.lstsq(free[known], (window.reading - driven)[known], rcond=None)[0]
+        known = np.flatnonzero(window.known)
+        recent = known[window.time[known] >= KNOWN - self.memory]
+        use = recent if len(recent) > free.shape[1] else known[-free.shape[1] - 1 :]
+        initial = np.linalg.lstsq(free[use], (window.reading - driven)[use], rcond=None)[0]
         return driven + free @ initial
+
+
+def fit_at_rest(windows: Sequence[Window]) -> Baseline:
+    """A ball that stays at its last known place."""
+    return _with_memory(AtRest(), windows)
+
+
+def fit_constant_velocity(windows: Sequence[Window]) -> Baseline:
+    """A ball that keeps its last known velocity."""
+    return _with_memory(ConstantVelocity(), windows)
 
 
 def fit_double_integrator(windows: Sequence[Window]) -> Baseline:
@@ -104,18 +162,48 @@ def fit_double_integrator(windows: Sequence[Window]) -> Baseline:
     return Baseline(law, _gains(law, windows)[0])
 
 
-def fit_output_error(windows: Sequence[Window]) -> Baseline:
-    """B and F by least squares over free runs of the windows."""
+def fit_output_error(windows: Sequence[Window], order: int = 2) -> Baseline:
+    """B and F of order two or three by least squares over free runs of the windows."""
     fastest = _FASTEST / max(window.step for window in windows)
-    low, high = (_SLOWEST, -(_SLOWEST**2)), (fastest, fastest**2)
+    law = _best_poles(windows, _STARTS, (_SLOWEST, -(_SLOWEST**2)), (fastest, fastest**2))
+    if order == 3:
+        starts = [(*law.poles, further) for further in _FURTHER_STARTS]
+        law = _best_poles(windows, starts, (_SLOWEST, -(_SLOWEST**2), _SLOWEST), (fastest, fastest**2, fastest))
+    return Baseline(law, _gains(law, windows)[0])
+
+
+FITS: Mapping[str, Callable[[Sequence[Window]], Baseline]] = {
+    "at_rest": fit_at_rest,
+    "constant_velocity": fit_constant_velocity,
+    "double_integrator": fit_double_integrator,
+    "output_error_2": fit_output_error,
+    "output_error_3": lambda windows: fit_output_error(windows, 3),
+}
+"""What fits each baseline, by the names of diagnosis.json."""
+BLACK_BOXES = ("output_error_2", "output_error_3")
+"""Of these, those that are fitted to the forecast and know no physics of a ball."""
+
+
+def _best_poles(
+    windows: Sequence[Window], starts: Sequence[tuple[float, ...]], low: Sequence[float], high: Sequence[float]
+) -> OutputError:
+    """The output-error model with the poles of least squares, searched for from each of `starts`."""
 
     def residuals(poles: FloatArray) -> FloatArray:
-        return _gains(OutputError((float(poles[0]), float(poles[1]))), windows)[1]
+        return _gains(OutputError(tuple(map(float, poles))), windows)[1]
 
-    fits = [least_squares(residuals, start, bounds=(low, high), diff_step=[_DIFFERENCE] * 2) for start in _STARTS]
+    fits = [
+        least_squares(residuals, np.clip(start, low, high), bounds=(low, high), diff_step=[_DIFFERENCE] * len(start))
+        for start in starts
+    ]
     best = min(fits, key=lambda fit: float(fit.cost))
-    law = OutputError((float(best.x[0]), float(best.x[1])))
-    return Baseline(law, _gains(law, windows)[0])
+    return OutputError(tuple(map(float, best.x)))
+
+
+def _with_memory(law: Law, windows: Sequence[Window]) -> Baseline:
+    """A law without gains, with the memory of least squares over the predicted parts."""
+    choices = [Baseline(law, np.empty(0), memory) for memory in _MEMORIES]
+    return min(choices, key=lambda one: sum(window.rms_error(one.predict(window)) ** 2 for window in windows))
 
 
 def _gains(law: Law, windows: Sequence[Window]) -> tuple[FloatArray, FloatArray]:

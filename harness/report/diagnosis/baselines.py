@@ -1,29 +1,26 @@
 """Baselines: whether the model predicts better than models that know no physics of a rolling ball."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from harness.formatting import NONE, brief, length
+from harness.formatting import NONE, brief, length, listed
 from harness.identify.problem.windows import AHEAD, KNOWN
-from harness.identify.validation.baseline_comparison import (
-    AFTER,
-    BASELINES,
-    BEFORE,
-    BLACK_BOX,
-    INTEGRATOR,
-    BaselineComparison,
-)
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.tables import Row, Table, texts
 
-_TITLES = {
+TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
     AFTER: FOUND.label,
-    INTEGRATOR: "double integrator, s̈ = k (α + α₀)",
-    BLACK_BOX: "output-error model of order 2",
+    "at_rest": "ball at rest",
+    "constant_velocity": "ball at constant velocity",
+    "double_integrator": "double integrator, s̈ = k (α + α₀)",
+    "output_error_2": "output-error model of order 2, a black box fitted to the forecast",
+    "output_error_3": "output-error model of order 3, a black box fitted to the forecast",
 }
+"""What each source of the comparison is called."""
 
 
 def section(account: Account) -> Section | None:
@@ -36,30 +33,35 @@ def section(account: Account) -> Section | None:
         "worse": compared.rms(AFTER) > compared.rms(BEFORE),
         "known": brief(KNOWN),
         "ahead": brief(AHEAD),
-        "windows": compared.windows,
+        "blocks": compared.blocks,
         "table": _table(compared),
     }
     return Section("baselines", "Baselines", "Baselines", "diagnosis/baselines.html", context)
 
 
+def short_title(name: str) -> str:
+    """The title of a source without its explanation."""
+    return TITLES[name].split(",")[0]
+
+
 def _answer(compared: BaselineComparison) -> str:
-    """Whether both are beaten, in words."""
+    """Whether all are beaten, in words."""
     margins = {name: margin for name in BASELINES if (margin := compared.margin(name)) is not None}
     if len(margins) < len(BASELINES):
-        return "There are too few windows for a comparison."
+        return "There are too few blocks for a comparison."
     sure = [name for name, margin in margins.items() if margin.sure]
     ahead = [name for name, margin in margins.items() if margin.value > 0.0]
     if len(sure) == len(BASELINES):
-        return "The model predicts better than both baselines, beyond what the choice of windows may do."
+        return "The model predicts better than all baselines, beyond what the choice of blocks may do."
     if len(ahead) == len(BASELINES):
         unsure = _all_but(sure)
-        return f"The model predicts better than both baselines, but so few windows do not make it sure of the {unsure}."
+        return f"The model predicts better than all baselines, but so few blocks do not make it sure of the {unsure}."
     return f"The model predicts no better than the {_all_but(ahead)}: what acts on this rig is not described by it."
 
 
 def _all_but(names: Sequence[str]) -> str:
     """The baselines that are not among `names`."""
-    return " and the ".join(_TITLES[name].split(",")[0] for name in BASELINES if name not in names)
+    return listed([short_title(name) for name in BASELINES if name not in names])
 
 
 def _table(compared: BaselineComparison) -> Table:
@@ -69,11 +71,11 @@ def _table(compared: BaselineComparison) -> Table:
         judged = (NONE, NONE)
         if margin is not None:
             judged = length(margin.value), f"{length(margin.low)} … {length(margin.high)}"
-        won = f"{compared.won(name)} of {compared.windows}" if name in BASELINES else NONE
-        row = (_TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
+        won = f"{compared.won(name)} of {compared.blocks}" if name in BASELINES else NONE
+        row = (TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
         rows.append(Row(row, "best" if name == min(compared.errors, key=compared.rms) else ""))
     columns = [
-        *texts("model"), "RMS error", "median of windows", "improvement with the effects found", "95 % interval",
-        "windows with smaller error",
+        *texts("model"), "RMS error", "median of blocks", "improvement with the effects found", "95 % interval",
+        "blocks with smaller error",
     ]  # fmt: skip
     return Table("Held-out predictions", columns, rows)

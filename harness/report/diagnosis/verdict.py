@@ -33,6 +33,7 @@ def section(account: Account) -> Section:
         "found": _found(account) if account.diagnosis.effects else None,
         # Beside a spline term no candidate was tried again, and without it the process noise hides what is small.
         "unseen": () if account.diagnosis.found.terms.spline is not None else account.diagnosis.unseen,
+        "implausible": _implausible(account),
         "failed": bool(account.diagnosis.failures),
         "hidden": account.diagnosis.hidden,
         "picture": _picture(account),
@@ -99,6 +100,18 @@ def _found(account: Account) -> Table:
             rows.append(Row(cells, "best" if first else ""))
     columns = [*texts("effect", "law", "parameter"), "value", "95 % interval", *texts("unit", "indistinguishable from")]
     return Table("Effects found (± above is half the width of these intervals)", columns, rows)
+
+
+def _implausible(account: Account) -> list[tuple[str, str, str]]:
+    """Effect, parameter and usual range of every value outside of it."""
+    rig, said = account.diagnosis.problem.rig, []
+    for finding in account.diagnosis.effects:
+        for parameter in CATALOGUE[finding.name].parameters:
+            usual = parameter.usual_on(rig)
+            if parameter.name in finding.implausible and usual is not None:
+                unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+                said.append((finding.name, parameter.name, f"{number(usual[0])} … {number(usual[1])}{unit}"))
+    return said
 
 
 def _digits(value: float, width: float) -> int:

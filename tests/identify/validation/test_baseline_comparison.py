@@ -9,11 +9,13 @@ import pytest
 
 from analytic.motion import FloatArray
 from harness.identify.diagnosis import diagnose
+from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit, fit
-from harness.identify.estimate.window_errors import window_error
+from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
+from harness.identify.estimate.window_errors import window_errors
 from harness.identify.pose import problem_of, unknown_effects
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.windows import windows_of
+from harness.identify.problem.windows import fitted_windows, windows_of
 from harness.identify.validation.baseline_comparison import (
     AFTER,
     BASELINES,
@@ -21,8 +23,9 @@ from harness.identify.validation.baseline_comparison import (
     BaselineComparison,
     compare_with_baselines,
 )
-from harness.identify.validation.held_out import fit_folds
+from harness.identify.validation.block_errors import block_errors, groups_of
 from harness.recording import KnownRig, load_case
+from harness.recording.case import MEASURED
 from tests.posed import Posed, pose
 from tests.shared_data import RECORDINGS
 
@@ -42,14 +45,14 @@ def rolling(tmp_path_factory: pytest.TempPathFactory) -> tuple[Posed, Fit, Fit]:
 def held(rolling: tuple[Posed, Fit, Fit]) -> BaselineComparison:
     """The comparison on that rig."""
     posed, base, found = rolling
-    made = compare_with_baselines(fit_folds(posed.problem, base, found))
+    made = compare_with_baselines(posed.problem, base, found)
     assert made is not None
     return made
 
 
 def test_who_knows_what_acts_wins(held: BaselineComparison) -> None:
-    """Beat both baselines and the model without the effect, beyond chance, where the effect is known."""
-    assert held.windows == 8  # four of 16 s, of each of two recordings
+    """Beat all baselines and the model without the effect, beyond chance, where the effect is known."""
+    assert held.blocks == 8  # four of 16 s, of each of two recordings
     for other in (BEFORE, *BASELINES):
         assert held.rms(AFTER) < 0.5 * held.rms(other)
         margin = held.margin(other)
@@ -58,8 +61,8 @@ def test_who_knows_what_acts_wins(held: BaselineComparison) -> None:
         assert margin.low <= margin.value <= margin.high
 
 
-def test_gains_and_windows_won_follow_from_the_errors(held: BaselineComparison) -> None:
-    """Gain the difference of RMS errors, and win the windows that are predicted better."""
+def test_gains_and_blocks_won_follow_from_the_errors(held: BaselineComparison) -> None:
+    """Gain the difference of RMS errors, and win the blocks that are predicted better."""
     for name in BASELINES:
         margin = held.margin(name)
         assert margin is not None
@@ -78,13 +81,52 @@ def test_the_model_knows_two_seconds_only(rolling: tuple[Posed, Fit, Fit]) -> No
         return reading + 0.1 * outside
 
     other = replace(window.recording, reading=shifted(window.recording.reading))
-    assert window_error(posed.problem, found, replace(window, recording=other)) == window_error(
-        posed.problem, found, window
+    assert window_errors(posed.problem, found, [replace(window, recording=other)]) == window_errors(
+        posed.problem, found, [window]
     )
 
 
+def test_held_out_readings_have_no_say(rolling: tuple[Posed, Fit, Fit]) -> None:
+    """Predict a group of blocks the same whatever their readings are that nobody knows while they are held out.
+
+    If errors e of a window become e ± d at a share m of its readings, 2 m d² is added to twice their mean square.
+    """
+    posed, _, found = rolling
+    _, blocks = groups_of(posed.problem.recordings)[0]
+    windows = [window for block in blocks for window in block.held_out]
+    recording = windows[0].recording
+    assert all(one.recording is recording for one in windows)
+    hidden, known = np.zeros((2, len(recording.time)), dtype=bool)
+    for window in windows:
+        hidden[window.use] |= window.judged
+        known[window.use] |= window.known
+    hidden &= ~known
+
+    def squares(shift: float) -> FloatArray:
+        other = replace(recording, reading=recording.reading + shift * hidden)
+        recordings = tuple(other if one is recording else one for one in posed.problem.recordings)
+        return block_errors(replace(posed.problem, recordings=recordings), found)[: len(blocks)] ** 2
+
+    d = 0.01
+    shares = [np.mean([np.mean(hidden[one.use][one.judged]) for one in block.held_out]) for block in blocks]
+    assert max(shares) > 0.1  # or it would say nothing
+    added = squares(d) + squares(-d) - 2.0 * squares(0.0)
+    np.testing.assert_allclose(added, 2.0 * d**2 * np.array(shares), rtol=1e-9, atol=1e-15)
+
+
+def test_fits_to_free_runs_are_repeated_as_in_their_cross_validation(rolling: tuple[Posed, Fit, Fit]) -> None:
+    """Find the errors again that the cross-validation of a fit to free runs found."""
+    posed, _, found = rolling
+    windows = fitted_windows(posed.problem.recordings)
+    begun = fit_free_runs(posed.problem, found.hypothesis, windows, initial=found.values(), effort=Effort.NEAR).fit
+    whole = cross_validated(posed.problem, begun)
+    assert whole.held_out
+    np.testing.assert_array_equal(block_errors(posed.problem, whole), whole.held_out)
+    np.testing.assert_allclose(block_errors(posed.problem, replace(whole, held_out=())), whole.held_out, rtol=1e-9)
+
+
 def test_like_against_like_is_a_draw() -> None:
-    """Claim nothing where two miss by the same on average, and nothing at all of three windows."""
+    """Claim nothing where two miss by the same on average, and nothing at all of three blocks."""
     one, other = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), np.array([2.0, 1.0, 4.0, 3.0, 6.0, 5.0])
     made = BaselineComparison({AFTER: 1e-3 * one, BASELINES[0]: 1e-3 * other})
     margin = made.margin(BASELINES[0])
@@ -93,14 +135,11 @@ def test_like_against_like_is_a_draw() -> None:
     assert BaselineComparison({AFTER: one[:3], BASELINES[0]: other[:3]}).margin(BASELINES[0]) is None
 
 
-def test_short_recordings_hold_no_compare_with_baselines(rolling: tuple[Posed, Fit, Fit]) -> None:
-    """Say nothing where no held-out piece lasts 5 s."""
+def test_short_recordings_hold_nothing_to_compare(rolling: tuple[Posed, Fit, Fit]) -> None:
+    """Say nothing where what is left beside a held-out block does not last for two windows."""
     posed, base, found = rolling
-    short = tuple(
-        replace(one, time=one.time[:400], reading=one.reading[:400], name=one.name) for one in posed.problem.recordings
-    )
-    held = [replace(one, compared=short[:1]) for one in fit_folds(posed.problem, base, found)]
-    assert compare_with_baselines(held) is None
+    short = tuple(replace(one, time=one.time[:400], reading=one.reading[:400]) for one in posed.problem.recordings)
+    assert compare_with_baselines(replace(posed.problem, recordings=short[:1]), base, found) is None
 
 
 def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
@@ -111,11 +150,22 @@ def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
     assert unknown_effects(replace(whole, rolling_radius=None, level_angle=0.0)) == ("angle_gain",)
 
 
+@pytest.mark.slow
+def test_the_built_in_measured_rig_is_predicted_better_than_by_baselines() -> None:
+    """Predict held-out blocks of the recording that comes with the package surely better than all baselines."""
+    made = diagnose(problem_of(load_case(MEASURED))).baselines
+    assert made is not None
+    for name in BASELINES:
+        margin = made.margin(name)
+        assert margin is not None
+        assert margin.sure
+
+
 @needs_shared
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "count"), [("daisy", 2), ("uts", 3)])
 def test_measured_rigs_are_predicted_better_than_by_baselines(name: str, count: int) -> None:
-    """Predict held-out pieces of real rigs better than both baselines, from their first recordings."""
+    """Predict held-out blocks of real rigs better than all baselines, from their first recordings."""
     problem = problem_of(load_case(RECORDINGS / name))
     made = diagnose(replace(problem, recordings=problem.recordings[:count])).baselines
     assert made is not None

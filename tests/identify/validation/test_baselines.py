@@ -16,8 +16,11 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import AHEAD, KNOWN, Window, windows_of
 from harness.identify.validation.baselines import (
+    FITS,
     DoubleIntegrator,
     OutputError,
+    fit_at_rest,
+    fit_constant_velocity,
     fit_double_integrator,
     fit_output_error,
 )
@@ -107,11 +110,55 @@ def test_the_black_box_finds_a_system_of_order_two(beam: PreparedRecording, pole
     assert all(one.rms_error(found.predict(one)) < 1e-4 * np.ptp(one.reading) for one in ahead)
 
 
+def test_the_black_box_of_order_three_finds_what_lags(beam: PreparedRecording) -> None:
+    """Find a third pole, such as of a servo, in readings without noise, and predict what order two cannot.
+
+    Tolerances as for order two.
+    """
+    poles = (0.3, 1.5, 5.0)
+    made = replace(beam, reading=lfilter([2e-3], OutputError(poles).denominator(STEP), beam.drive.evaluate(beam.time)))
+    windows = windows_of((made,))
+    seen, ahead = windows[:3], windows[3:]
+    third, second = fit_output_error(seen, 3), fit_output_error(seen)
+    assert isinstance(third.law, OutputError)
+    assert third.law.poles == pytest.approx(poles, rel=1e-2)
+    for one in ahead:
+        assert one.rms_error(third.predict(one)) < 1e-4 * np.ptp(one.reading)
+        assert one.rms_error(third.predict(one)) < one.rms_error(second.predict(one))
+
+
+def test_a_ball_at_rest_stays_and_one_in_motion_goes_on(beam: PreparedRecording) -> None:
+    """Predict the last place, and the last velocity, of a ball that changes its motion in the known part.
+
+    Without noise a memory that holds only what came after the change misses nothing.
+    """
+    time = beam.time
+    stops = windows_of((replace(beam, reading=0.1 * np.minimum(time, 1.0)),))
+    at_rest = fit_at_rest(stops[:1])
+    assert at_rest.memory <= 1.0
+    np.testing.assert_allclose(at_rest.predict(stops[0]), 0.1, atol=1e-12)
+    goes = windows_of((replace(beam, reading=np.where(time < 1.0, 0.2, 0.2 + 0.05 * (time - 1.0))),))
+    moving = fit_constant_velocity(goes[:1])
+    np.testing.assert_allclose(moving.predict(goes[0])[goes[0].judged], goes[0].reading[goes[0].judged], atol=1e-12)
+
+
+def test_a_noisy_sensor_lengthens_the_memory(beam: PreparedRecording) -> None:
+    """Take the mean of 2 s where a resting ball's readings are noise alone: nothing else predicts as well.
+
+    The mean of n readings is off by σ/√n: 0.1 of σ for 2 s, 0.45 for 0.1 s.
+    """
+    noise = np.random.default_rng(0).normal(0.0, 0.01, len(beam.time))
+    windows = windows_of((replace(beam, reading=noise),))
+    assert fit_at_rest(windows).memory >= 0.7
+
+
 def test_the_chart_of_poles_is_that_of_sampled_differential_equations() -> None:
     """F has the roots exp(λ T) of λ² + f₁ λ + f₀ = 0, be they real or complex."""
     for first, zeroth in ((1.2, 9.0), (0.8, -2.0), (6.0, 5.0), (0.0, 0.0)):
-        roots = np.exp(STEP * np.roots([1.0, first, zeroth]).astype(complex))
-        np.testing.assert_allclose(OutputError((first, zeroth)).denominator(STEP), np.poly(roots), atol=1e-12)
+        for further in ((), (3.0,)):
+            rates = [*np.roots([1.0, first, zeroth]).astype(complex), *(-rate for rate in further)]
+            made = OutputError((first, zeroth, *further)).denominator(STEP)
+            np.testing.assert_allclose(made, np.poly(np.exp(STEP * np.array(rates))), atol=1e-12)
 
 
 def test_uneven_stamps_are_no_hindrance(beam: PreparedRecording) -> None:
@@ -135,7 +182,8 @@ def test_uneven_stamps_are_no_hindrance(beam: PreparedRecording) -> None:
 def test_predictions_know_the_beginning_only(plain: Posed) -> None:
     """Stay the same when everything after the known part of a window is changed."""
     windows = windows_of(plain.problem.recordings)
-    for fitted in (fit_double_integrator(windows), fit_output_error(windows)):
+    for fit in FITS.values():
+        fitted = fit(windows)
         before = fitted.predict(windows[0])
         reading = windows[0].recording.reading.copy()
         reading[windows[0].use][windows[0].judged] += 0.1

@@ -1,0 +1,73 @@
+"""Errors of the model on blocks of recordings that it is not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.identify.estimate.fit import Estimator, Fit
+from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
+from harness.identify.estimate.refit import refit
+from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.windows import Block, Window, blocks_of
+from harness.numerics import rms
+
+Groups = list[tuple[tuple[Window, ...], list[Block]]]
+"""Windows to fit to, and the blocks that are held out together."""
+
+
+def groups_of(recordings: Sequence[PreparedRecording]) -> Groups:
+    """Blocks by the windows to fit to while they are held out."""
+    return [(fitted, list(group)) for fitted, group in groupby(blocks_of(recordings), key=lambda one: one.fitted)]
+
+
+def group_fits(problem: Problem, whole: Fit) -> list[tuple[Fit, list[Block]]]:
+    """The fit repeated without each group of blocks, and these blocks.
+
+    One to free runs is repeated on the windows to fit to, with the process noise of the whole fit. One by likelihood is
+    repeated without the readings that are to be predicted, and gets the process noise that predicts these windows best.
+
+    Args:
+        whole: the fit to all recordings.
+    """
+    return [(_fit_without(problem, whole, fitted, blocks), blocks) for fitted, blocks in groups_of(problem.recordings)]
+
+
+def block_errors(problem: Problem, whole: Fit) -> FloatArray:
+    """RMS error of every block by a fit without the blocks of its group, shape (blocks,) [m].
+
+    Args:
+        whole: the fit to all recordings; if it was cross-validated, it brings its errors along.
+    """
+    if whole.held_out:
+        return np.array(whole.held_out)
+    return np.array(
+        [
+            rms(np.array(window_errors(problem, part, block.held_out)))
+            for part, blocks in group_fits(problem, whole)
+            for block in blocks
+        ]
+    )
+
+
+def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
+    if whole.estimator is Estimator.FREE_RUNS:
+        within = {id(window.recording) for window in fitted}
+        rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
+        part = fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit
+        return replace(part, process_noise=whole.process_noise)
+    rest = _without(problem, [window for block in blocks for window in block.held_out])
+    return tuned_to_windows(problem, refit(rest, whole), fitted)
+
+
+def _without(problem: Problem, held_out: Sequence[Window]) -> Problem:
+    """The problem without the readings of the predicted parts of windows."""
+    readings = {id(one): one.reading.copy() for one in problem.recordings}
+    for window in held_out:
+        readings[id(window.recording)][window.use][window.judged] = np.nan
+    return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
