@@ -26,7 +26,7 @@ def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> Non
     assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(found)
     assert (found["schema"], found["verdict"], found["unlisted"]) == (3, "effect", None)
     (effect,) = found["effects"]
-    assert set(effect) == {"name", "parameters", "indistinguishable_from", "by_recording"}
+    assert set(effect) == {"name", "parameters", "indistinguishable_from", "by_recording", "implausible"}
     assert effect["name"] == "rolling_resistance"
     size = effect["parameters"]["coefficient"]
     assert set(size) == PARAMETER
