@@ -38,7 +38,7 @@ def test_innovations_follow_from_those_at_another_density(radius: Short) -> None
     assert made is not None
     steady_filters = SteadyFilters.of(envelope.interval, frictionless.reading_variance, 1e-6)
     best = radius.rival.terms
-    gain, _ = frictionless.sensor(best.effects)
+    gain = frictionless.sensor(best.effects).gain
 
     def innovations(process_noise: float) -> FloatArray:
         found = run_filter(frictionless, made.recording, best, process_noise / gain**2, own=Own(), reading=made.reading)
