@@ -23,12 +23,15 @@ STARTS = np.array([[0.05, 0.1], [-0.02, -0.05]])
 
 
 def test_free_runs_are_those_of_the_kernel() -> None:
-    """Begin each window at its own start and go on as `integrate` does, to the last digit."""
+    """Begin each window at its own start and go on as `integrate` does."""
     p = parameters_with(CAM, Rig(), [acting("rolling_resistance", {"coefficient": 0.002})])
     run = free_runs(FIRST, LAST, BEAM, p, 0.0, STARTS)
     other = integrate(GRID, BEAM.table, p, STARTS, first=FIRST, last=LAST - 1)
-    np.testing.assert_array_equal(run[:251], other.position[0, :251])
-    np.testing.assert_array_equal(run[251:], other.position[1, 150:401])
+    # How operations are grouped may differ between two compiled functions: of 1000 steps each moves s and ṡ, below
+    # 1 m and 1 m/s, by some roundings, and that of ṡ acts for 5 s.
+    rounding = 1000.0 * 4.0 * np.finfo(float).eps * 5.0
+    np.testing.assert_allclose(run[:251], other.position[0, :251], rtol=0.0, atol=rounding)
+    np.testing.assert_allclose(run[251:], other.position[1, 150:401], rtol=0.0, atol=rounding)
 
 
 def test_a_lagging_sensor_begins_settled_and_follows() -> None:
