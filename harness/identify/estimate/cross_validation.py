@@ -6,6 +6,7 @@ widen the band of its predictions to what they are.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 
@@ -17,7 +18,7 @@ from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
 from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import blocks_of
+from harness.identify.problem.windows import Window, blocks_of
 
 _SHARE = 0.95  # of the readings that the band shall hold
 
@@ -35,10 +36,7 @@ def cross_validated(problem: Problem, whole: Fit) -> Fit:
     fits: list[Fit] = []
     for _, group in groupby(blocks, key=lambda block: block.group):
         out = list(group)
-        fitted = out[0].fitted
-        within = {id(window.recording) for window in fitted}
-        rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
-        part = fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit
+        part = fit_without(problem, whole, out[0].fitted)
         by_density = errors_by_density(problem, part, [window for block in out for window in block.held_out])
         ends = np.cumsum([len(block.held_out) for block in out])[:-1]
         errors += [np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)]
@@ -59,3 +57,10 @@ def cross_validated(problem: Problem, whole: Fit) -> Fit:
         held_out=tuple(of_blocks[:, best].tolist()),
         band=band,
     )
+
+
+def fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window]) -> Fit:
+    """The hypothesis of a fit to free runs, fitted from its values to some windows and the recordings they are of."""
+    within = {id(window.recording) for window in fitted}
+    rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
+    return fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit

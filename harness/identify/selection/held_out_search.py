@@ -56,6 +56,8 @@ def search_by_held_out_errors(
 
 @dataclass
 class _Search:
+    """The steps of the search on one problem; losses of fits are compared at the scale of the base."""
+
     problem: Problem
     ledger: Ledger
     progress: Progress

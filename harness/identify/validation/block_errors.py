@@ -9,8 +9,8 @@ from itertools import groupby
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.cross_validation import fit_without
 from harness.identify.estimate.fit import Estimator, Fit
-from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
 from harness.identify.estimate.refit import refit
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -23,7 +23,8 @@ Groups = list[tuple[tuple[Window, ...], list[Block]]]
 
 def groups_of(recordings: Sequence[PreparedRecording]) -> Groups:
     """Blocks by the windows to fit to while they are held out."""
-    return [(fitted, list(group)) for fitted, group in groupby(blocks_of(recordings), key=lambda one: one.fitted)]
+    groups = [list(group) for _, group in groupby(blocks_of(recordings), key=lambda block: block.group)]
+    return [(blocks[0].fitted, blocks) for blocks in groups]
 
 
 def group_fits(problem: Problem, whole: Fit) -> list[tuple[Fit, list[Block]]]:
@@ -57,10 +58,7 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
 
 def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
     if whole.estimator is Estimator.FREE_RUNS:
-        within = {id(window.recording) for window in fitted}
-        rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
-        part = fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit
-        return replace(part, process_noise=whole.process_noise)
+        return replace(fit_without(problem, whole, fitted), process_noise=whole.process_noise)
     rest = _without(problem, [window for block in blocks for window in block.held_out])
     return tuned_to_windows(problem, refit(rest, whole), fitted)
 
