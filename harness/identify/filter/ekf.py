@@ -244,11 +244,22 @@ def _over(x: FloatArray, first: int, last: int, beam: BeamTable, p: FloatArray, 
     for j in range(first, last):
         before, h = s, beam.steps[j]
         s, v, w = advance(s, v, w, h, beam.table, 2 * j, p)
-        if lag > 0.0:  # T ẏ + y = s, exact for an s that is linear within the step
-            slope = (s - before) / h
-            follow = before - slope * lag
-            y = follow + slope * h + (y - follow) * math.exp(-h / lag)
+        if lag > 0.0:
+            y = lagging(y, before, s, h, lag)
     x[0], x[1], x[2], x[3] = s, v, w, y
+
+
+@njit(cache=True, inline="always")
+def lagging(y: float, before: float, s: float, h: float, lag: float) -> float:
+    """Output of a lagging sensor after `h` [s], T ẏ + y = s, exact where the position goes linearly to s [m].
+
+    Args:
+        y, before: output and position at the beginning [m].
+        lag: T [s].
+    """
+    slope = (s - before) / h
+    follow = before - slope * lag
+    return follow + slope * h + (y - follow) * math.exp(-h / lag)
 
 
 @njit(cache=True, inline="always")

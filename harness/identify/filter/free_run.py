@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 from analytic.step import advance
-from harness.identify.filter.ekf import BeamTable
+from harness.identify.filter.ekf import BeamTable, lagging
 
 # Changes of a start for derivatives by it [m], [m/s]: wide enough to average over the jumps that arise where dry
 # friction stops the ball.
@@ -40,12 +38,7 @@ def free_runs(
             for j in range(beam.marks[stamp - 1], beam.marks[stamp]):
                 before, h = s, beam.steps[j]
                 s, v, w = advance(s, v, w, h, beam.table, 2 * j, p)
-                if lag > 0.0:  # T ẏ + y = s, exact for an s that is linear within the step
-                    slope = (s - before) / h
-                    follow = before - slope * lag
-                    y = follow + slope * h + (y - follow) * math.exp(-h / lag)
-                else:
-                    y = s
+                y = lagging(y, before, s, h, lag) if lag > 0.0 else s
             out[at + stamp - first[i]] = y
         at += last[i] - first[i]
     return out
