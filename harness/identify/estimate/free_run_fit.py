@@ -24,7 +24,7 @@ from scipy.optimize import lsq_linear
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import PROCESS_NOISE, Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
-from harness.identify.estimate.window_errors import FARTHEST
+from harness.identify.estimate.window_errors import bounded
 from harness.identify.filter.free_run import free_runs, start_derivatives
 from harness.identify.filter.run import beam_over, dynamics
 from harness.identify.problem.hypothesis import Hypothesis, Terms, own_key
@@ -131,10 +131,10 @@ class FreeRuns:
             if slopes:
                 derivatives.append(start_derivatives(*windows, runs[-1]))
             at += len(first)
-        positions = _bounded(np.concatenate(runs))
+        positions = bounded(np.concatenate(runs))
         if not slopes:
             return sensor.curve(positions), np.zeros((0, 2))
-        return sensor.curve(positions), _bounded(np.concatenate(derivatives))
+        return sensor.curve(positions), bounded(np.concatenate(derivatives))
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Sums over the readings of each window, shape (windows, …)."""
@@ -146,11 +146,6 @@ class FreeRuns:
         moves = np.linalg.solve(gram, self.sums(slopes[:, :, None] * columns[:, None, :]))
         rest: FloatArray = columns - np.einsum("ij,ijc->ic", slopes, moves[self._window])
         return rest, np.asarray(moves)
-
-
-def _bounded(values: FloatArray) -> FloatArray:
-    """Values of runs that leave any beam, or come to no number, are set to the bound; same shape [m], [1], [s]."""
-    return np.clip(np.nan_to_num(values, nan=FARTHEST), -FARTHEST, FARTHEST)
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,14 @@ def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> li
     The filter runs over the known part and on without readings.
     """
     runs = _runs(problem, found, windows)
-    return [window.rms_error(_on_beam(run.recorded)) for window, run in zip(windows, runs, strict=True)]
+    return [window.rms_error(bounded(run.recorded)) for window, run in zip(windows, runs, strict=True)]
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
     """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
     ratios = []
     for window, run in zip(windows, _runs(problem, found, windows), strict=True):
-        error = (_on_beam(run.recorded) - window.reading) / np.sqrt(
+        error = (bounded(run.recorded) - window.reading) / np.sqrt(
             np.nan_to_num(run.recorded_variance) + problem.reading_variance
         )
         ratios.append(error[window.judged])
@@ -62,8 +62,8 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Filte
     return [runs[i] for i in range(len(windows))]
 
 
-def _on_beam(predicted: FloatArray) -> FloatArray:
-    """Predictions, those set to a bound that leave any beam or come to no number, same shape [m]."""
+def bounded(predicted: FloatArray) -> FloatArray:
+    """Predictions, those set to a bound of 100 that leave any beam or come to no number; same shape and unit."""
     return np.clip(np.nan_to_num(predicted, nan=FARTHEST), -FARTHEST, FARTHEST)
 
 
