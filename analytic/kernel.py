@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,8 +78,9 @@ class Grid:
         steps = np.repeat(gaps / count, count)
         return cls(time, steps, np.concatenate(([0], np.cumsum(count))))
 
-    def tabulate(self, motion: BeamMotion) -> FloatArray:
-        """α [rad], α̇ [rad/s], α̈ [rad/s²] at the start, middle and end of every step, shape (2 m + 1, 3)."""
+    @cached_property
+    def edges(self) -> FloatArray:
+        """Start, middle and end of every step, shape (2 m + 1,) [s]."""
         edges = np.empty(2 * len(self.steps) + 1)
         # Summed from each stamp anew, so that rounding does not accumulate over a long recording.
         begin = np.repeat(self.time[:-1], np.diff(self.marks))
@@ -87,7 +89,11 @@ class Grid:
         edges[2::2] = begin + (within + 1.0) * self.steps
         # The stamps themselves, not rounded sums: a motion is not evaluated beyond the recording's last stamp.
         edges[2 * self.marks] = self.time
-        table = beam_states(motion, edges)
+        return edges
+
+    def tabulate(self, motion: BeamMotion) -> FloatArray:
+        """α [rad], α̇ [rad/s], α̈ [rad/s²] at the start, middle and end of every step, shape (2 m + 1, 3)."""
+        table = beam_states(motion, self.edges)
         # With this α̈ Simpson's rule gives the change of α̇ over a step exactly, also where α̇ jumps (backlash).
         change = np.diff(table[::2, 1]) / self.steps
         table[1::2, 2] = 0.25 * (6.0 * change - table[:-2:2, 2] - table[2::2, 2])

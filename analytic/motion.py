@@ -28,7 +28,13 @@ class BeamMotion(Protocol):
 
 
 def beam_states(motion: BeamMotion, time: FloatArray) -> FloatArray:
-    """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+    """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3).
+
+    A motion that has a method `states_at` gives them in one go, which is faster.
+    """
+    at_once: Callable[[FloatArray], FloatArray] | None = getattr(motion, "states_at", None)
+    if at_once is not None:
+        return at_once(time)
     return np.column_stack((motion.evaluate(time), motion.derivative(time), motion.derivative(time, 2)))
 
 
@@ -70,6 +76,10 @@ class ScaledMotion:
         """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
         return self.gain * self.base.derivative(time, order)
 
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        return self.gain * beam_states(self.base, time)
+
 
 @dataclass(frozen=True)
 class DelayedMotion:
@@ -87,6 +97,10 @@ class DelayedMotion:
     def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
         """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
         return self.base.derivative(np.clip(time - self.delay, self.begin, self.end), order)
+
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        return beam_states(self.base, np.clip(time - self.delay, self.begin, self.end))
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import PPoly
 
+from analytic.compiled import njit
 from analytic.motion import BeamMotion, FloatArray, beam_states
 
 
@@ -57,6 +58,35 @@ class QuinticMotion:
     def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
         """α̇ [rad/s] or α̈ [rad/s²] at `time` [s], same shape."""
         return self.spline(time, order)
+
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        out = np.empty((len(time), 3))
+        _evaluate(self.time, self.spline.c, time, out)
+        return out
+
+
+@njit(cache=True, nogil=True)
+def _evaluate(stamps: FloatArray, c: FloatArray, time: FloatArray, out: FloatArray) -> None:
+    """Fill `out`, shape (n, 3), with the quintics `c`, shape (6, pieces), between `stamps`, and their derivatives.
+
+    The first and the last piece go on beyond the stamps. Fastest where `time`, shape (n,) [s], is in order.
+    """
+    piece, last = 0, len(stamps) - 2
+    for i in range(len(time)):
+        t = time[i]
+        if t < stamps[piece] or (piece < last and t >= stamps[piece + 1]):
+            if t >= stamps[piece] and (piece + 1 == last or t < stamps[piece + 2]):
+                piece += 1
+            else:
+                piece = min(max(np.searchsorted(stamps, t, side="right") - 1, 0), last)
+        t -= stamps[piece]
+        value = slope = bend = 0.0
+        for row in range(6):
+            bend = bend * t + 2.0 * slope
+            slope = slope * t + value
+            value = value * t + c[row, piece]
+        out[i, 0], out[i, 1], out[i, 2] = value, slope, bend
 
 
 def through(motion: BeamMotion, stamps: FloatArray) -> QuinticMotion:

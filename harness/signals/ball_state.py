@@ -18,7 +18,7 @@ from analytic.models import CAM, coefficients
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.signals.outliers import smooth_spiky
-from harness.signals.prescribed import integrate_twice, nodes
+from harness.signals.prescribed import integrate_twice
 
 # A correct model leaves no less [m²/s⁵]: the angle of an encoder of 40,000 counts is known to about 3e-5 rad, an
 # acceleration of a = K g 3e-5 = 2e-4 m/s², correlated over τ = 0.5 s: a²/τ. With less, the error bars of a recording
@@ -109,7 +109,7 @@ def _guided_run(time: FloatArray, path: FloatArray, motion: BeamMotion, rig: Rig
     An error of the start is a straight line, which appears in the difference.
     """
     grid = Grid.over(time)
-    ball = np.interp(nodes(grid), time, path)
+    ball = np.interp(grid.edges, time, path)
     # CAM's acceleration does not depend on the velocity.
     prescribed = accelerations(ball, np.zeros_like(ball), grid.tabulate(motion), coefficients(CAM, rig))
     position, velocity = integrate_twice(grid, prescribed)

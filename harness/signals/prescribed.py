@@ -8,19 +8,12 @@ from analytic.kernel import Grid
 from analytic.motion import FloatArray
 
 
-def nodes(grid: Grid) -> FloatArray:
-    """Times of the rows of `Grid.tabulate`: start, middle and end of every step, shape (2 m + 1,) [s]."""
-    edges = grid.time[0] + np.concatenate(([0.0], np.cumsum(grid.steps)))
-    between = edges[:-1] + 0.5 * grid.steps
-    return np.concatenate((np.column_stack((edges[:-1], between)).ravel(), edges[-1:]))
-
-
 def integrate_twice(grid: Grid, acceleration: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Position [m] and velocity [m/s] at the stamps, from rest at 0, shape (n,) each; Simpson's rule, order 4.
 
     Args:
         grid: n stamps, m steps.
-        acceleration: at `nodes(grid)`, shape (2 m + 1,) [m/s²].
+        acceleration: at `grid.edges`, shape (2 m + 1,) [m/s²].
     """
     h, begin, middle, end = grid.steps, acceleration[:-1:2], acceleration[1::2], acceleration[2::2]
     v = np.concatenate(([0.0], np.cumsum(h * (begin + 4.0 * middle + end) / 6.0)))

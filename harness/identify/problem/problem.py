@@ -17,7 +17,6 @@ from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
-from harness.signals.prescribed import nodes
 
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
 _CELL, _COARSE_STEP = 0.04, 0.025  # of free runs, whose errors are centimetres [s]
@@ -67,7 +66,7 @@ class PreparedRecording:
     @cached_property
     def times(self) -> FloatArray:
         """Times of the table's rows, shape (2 m + 1,) [s]."""
-        return nodes(self.grid)
+        return self.grid.edges
 
     def table_with(self, effects: Sequence[Acting]) -> FloatArray:
         """`table`, same shape, where `effects` change the beam motion or delay the recorded position."""

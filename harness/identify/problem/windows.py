@@ -37,7 +37,7 @@ class Window:
     begin: float
     use: slice
 
-    @property
+    @cached_property
     def time(self) -> FloatArray:
         """Stamps, counted from `begin`, shape (m,) [s]."""
         return self.recording.time[self.use] - self.begin
@@ -68,12 +68,18 @@ class Window:
         return self.step * np.arange(math.ceil(self.time[-1] / self.step - _ROUNDING) + 1)
 
     @cached_property
+    def _equidistant(self) -> bool:
+        return len(self.grid) == len(self.time) and bool(np.all(np.abs(self.grid - self.time) < _ROUNDING))
+
+    @cached_property
     def angle(self) -> FloatArray:
         """α on the grid, shape (k,) [rad]."""
         return self.recording.drive.evaluate(np.minimum(self.begin + self.grid, self.recording.time[-1]))
 
     def at_stamps(self, columns: Sequence[FloatArray]) -> FloatArray:
         """Signals on the grid, shape (k,) each, interpolated at the stamps: shape (m, number of signals)."""
+        if self._equidistant:
+            return np.column_stack(columns)
         return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
 
     def overlaps_prediction_of(self, other: Window) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import fitted_windows
 from harness.identify.validation.baselines import FITS
 from harness.identify.validation.block_errors import block_errors, groups_of
 from harness.metrics.bootstrap import Margin, rms_reduction
@@ -55,7 +56,7 @@ def compare_with_baselines(
 ) -> BaselineComparison | None:
     """Errors of the model, before and after, and of the baselines on held-out blocks; `None` without any block.
 
-    For each group of blocks that are held out together, every source is fitted to the same windows.
+    For each group of blocks that are held out together, every source is fitted to the same windows, from a fit to all.
 
     Args:
         base, found: fits to all recordings, without and with the identified terms.
@@ -70,8 +71,9 @@ def compare_with_baselines(
     for name, fit in FITS.items():
         progress(f"baselines: {name.replace('_', ' ')}")
         of_blocks = []
+        whole = fit(fitted_windows(problem.recordings))
         for fitted, blocks in groups:
-            baseline = fit(fitted)
+            baseline = fit(fitted, near=whole)
             for block in blocks:
                 predicted = [window.rms_error(baseline.predict(window)) for window in block.held_out]
                 of_blocks.append(rms(np.array(predicted)))

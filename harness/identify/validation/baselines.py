@@ -15,8 +15,9 @@ windows as long as the predicted ones, which gives lower errors than whole recor
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -114,15 +115,25 @@ class OutputError:
 
     def driven(self, window: Window) -> FloatArray:
         """α/F with delays of 0 to `order` steps, and 1/F."""
-        F = self.denominator(window.step)
-        direct = lfilter([1.0], F, window.angle)
-        delayed = (np.concatenate((np.zeros(lag), direct[:-lag])) for lag in range(1, self.order + 1))
-        return window.at_stamps([direct, *delayed, lfilter([1.0], F, np.ones_like(direct))])
+        direct = lfilter([1.0], self.denominator(window.step), window.angle)
+        pulse = _pulse(self, window.step, len(window.grid))
+        return window.at_stamps([*_shifted(direct, self.order + 1), np.cumsum(pulse)])
 
     def free(self, window: Window) -> FloatArray:
         """1/F of an impulse at each of the first stamps."""
-        pulses = np.eye(self.order, len(window.grid))
-        return window.at_stamps(list(lfilter([1.0], self.denominator(window.step), pulses)))
+        return window.at_stamps(_shifted(_pulse(self, window.step, len(window.grid)), self.order))
+
+
+@lru_cache(maxsize=4)  # windows of a recording differ in nothing of it
+def _pulse(law: OutputError, step: float, count: int) -> FloatArray:
+    """1/F of an impulse at the first of `count` samples, shape (count,)."""
+    pulse: FloatArray = lfilter([1.0], law.denominator(step), np.eye(1, count)[0])
+    return pulse
+
+
+def _shifted(signal: FloatArray, count: int) -> list[FloatArray]:
+    """A signal later by 0, 1, … samples, shape (n,) each."""
+    return [np.concatenate((np.zeros(lag), signal[: len(signal) - lag])) for lag in range(count)]
 
 
 @dataclass(frozen=True)
@@ -162,22 +173,38 @@ def fit_double_integrator(windows: Sequence[Window]) -> Baseline:
     return Baseline(law, _gains(law, windows)[0])
 
 
-def fit_output_error(windows: Sequence[Window], order: int = 2) -> Baseline:
-    """B and F of order two or three by least squares over free runs of the windows."""
+def fit_output_error(windows: Sequence[Window], order: int = 2, near: Baseline | None = None) -> Baseline:
+    """B and F of order two or three by least squares over free runs of the windows.
+
+    Args:
+        near: a fit to most of these windows, from whose poles the search starts.
+    """
     fastest = _FASTEST / max(window.step for window in windows)
-    law = _best_poles(windows, _STARTS, (_SLOWEST, -(_SLOWEST**2)), (fastest, fastest**2))
+    low, high = (_SLOWEST, -(_SLOWEST**2), _SLOWEST), (fastest, fastest**2, fastest)
+    if near is not None:
+        assert isinstance(near.law, OutputError)
+        law = _best_poles(windows, [near.law.poles], low[:order], high[:order])
+        return Baseline(law, _gains(law, windows)[0])
+    law = _best_poles(windows, _STARTS, low[:2], high[:2])
     if order == 3:
-        starts = [(*law.poles, further) for further in _FURTHER_STARTS]
-        law = _best_poles(windows, starts, (_SLOWEST, -(_SLOWEST**2), _SLOWEST), (fastest, fastest**2, fastest))
+        law = _best_poles(windows, [(*law.poles, further) for further in _FURTHER_STARTS], low, high)
     return Baseline(law, _gains(law, windows)[0])
 
 
-FITS: Mapping[str, Callable[[Sequence[Window]], Baseline]] = {
-    "at_rest": fit_at_rest,
-    "constant_velocity": fit_constant_velocity,
-    "double_integrator": fit_double_integrator,
-    "output_error_2": fit_output_error,
-    "output_error_3": lambda windows: fit_output_error(windows, 3),
+class Fitted(Protocol):
+    """Fits a baseline to windows, those that have poles from a fit to most of them if one is given."""
+
+    def __call__(self, windows: Sequence[Window], *, near: Baseline | None = None) -> Baseline:
+        """The baseline of least squares over these windows."""
+        ...
+
+
+FITS: Mapping[str, Fitted] = {
+    "at_rest": lambda windows, *, near=None: fit_at_rest(windows),
+    "constant_velocity": lambda windows, *, near=None: fit_constant_velocity(windows),
+    "double_integrator": lambda windows, *, near=None: fit_double_integrator(windows),
+    "output_error_2": lambda windows, *, near=None: fit_output_error(windows, 2, near),
+    "output_error_3": lambda windows, *, near=None: fit_output_error(windows, 3, near),
 }
 """What fits each baseline, by the names of diagnosis.json."""
 BLACK_BOXES = ("output_error_2", "output_error_3")
