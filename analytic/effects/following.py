@@ -10,10 +10,11 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from analytic.compiled import njit
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import BeamMotion, FloatArray, beam_states
 from analytic.quintic import QuinticMotion, through
 
 _LEAST = 1e-6  # of a lag [s]: at 1 rad/s below any encoder's count, and far from where rounding matters
+_ROUNDED = 1e-3  # of a lag [s], below which rounding is felt in differences over it
 _DEGREE = 5  # of the motion between stamps
 
 
@@ -70,6 +71,15 @@ class LaggedMotion:
     def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
         """β̇ [rad/s] or β̈ [rad/s²] at `time` [s], same shape."""
         return self._at(time, order)
+
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """β [rad], β̇ [rad/s], β̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        if self.constant < _ROUNDED:
+            return np.column_stack([self._at(time, order) for order in range(3)])
+        angle, rate, _ = self.base.states_at(np.clip(time, self.base.time[0], self.base.time[-1])).T
+        behind = self._at(time, 0)
+        slope = (angle - behind) / self.constant
+        return np.column_stack((behind, slope, (rate - slope) / self.constant))
 
 
 @njit(cache=True)
@@ -147,6 +157,16 @@ class HeldMotion:
         """β̇ [rad/s] or β̈ [rad/s²] at `time` [s], same shape."""
         return self._at(time, order)
 
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """β [rad], β̇ [rad/s], β̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        begin, (_, rate, _) = self.base.time[0], self.base.states[0]
+        now = np.clip(time, begin, self.base.time[-1])
+        before = now - self.interval
+        ahead, behind = self.base.states_at(now), self.base.states_at(np.maximum(before, begin))
+        behind[:, 0] += rate * np.minimum(before - begin, 0.0)
+        slopes = (ahead[:, :2] - behind[:, :2]) / self.interval
+        return np.column_stack((self._at(time, 0), slopes))
+
 
 def held(motion: BeamMotion, stamps: FloatArray, interval: float) -> BeamMotion:
     """The mean motion of a beam that takes `motion`, at `stamps`, shape (n,) [s], in steps of `interval` [s]."""
@@ -174,3 +194,11 @@ class CurvedMotion:
             return slope * self.base.derivative(time)
         bend = 2.0 * self.square + 6.0 * self.cube * angle
         return slope * self.base.derivative(time, 2) + bend * self.base.derivative(time) ** 2
+
+    def states_at(self, time: FloatArray) -> FloatArray:
+        """β [rad], β̇ [rad/s], β̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
+        angle, rate, angular = beam_states(self.base, time).T
+        slope = 1.0 + angle * (2.0 * self.square + 3.0 * self.cube * angle)
+        bend = 2.0 * self.square + 6.0 * self.cube * angle
+        value = angle * (1.0 + angle * (self.square + angle * self.cube))
+        return np.column_stack((value, slope * rate, slope * angular + bend * rate**2))

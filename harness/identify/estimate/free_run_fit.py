@@ -121,11 +121,11 @@ class FreeRuns:
     def _runs(self, terms: Terms, starts: FloatArray, *, slopes: bool) -> tuple[FloatArray, FloatArray]:
         sensor = self.problem.sensor(terms.effects)
         runs, derivatives, at = [], [], 0
+        position = sensor.position(starts[:, 0])
+        begins = np.column_stack((position, starts[:, 1] / sensor.slope(position)))
         for recording, first, last in self._groups:
             p, table = dynamics(self.problem, recording, terms, terms.own_of(recording.name))
-            begin = starts[at : at + len(first)].copy()
-            begin[:, 0] = sensor.position(begin[:, 0])
-            begin[:, 1] /= sensor.slope(begin[:, 0])
+            begin = begins[at : at + len(first)]
             windows = first, last, beam_over(recording, table), p, sensor.lag, begin
             runs.append(free_runs(*windows))
             if slopes:

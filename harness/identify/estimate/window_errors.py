@@ -11,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import own_of
 from harness.identify.filter.run import FilterRun, Part, run_parts
+from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
@@ -18,19 +19,25 @@ FARTHEST = 100.0  # of a prediction [m]
 DENSITIES = 10.0 ** np.arange(-8.0, -1.0)  # grid of the process noise [m²/s³]
 
 
-def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[float]:
+def window_errors(
+    problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence[Own | None] | None = None
+) -> list[float]:
     """RMS error over the predicted part of every window [m].
 
     The filter runs over the known part and on without readings.
+
+    Args:
+        own: as of `own_of_windows`, which is asked by default.
     """
-    runs = _runs(problem, found, windows)
+    runs = _runs(problem, found, windows, own_of_windows(problem, found, windows) if own is None else own)
     return [window.rms_error(bounded(run.recorded)) for window, run in zip(windows, runs, strict=True)]
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
     """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
     ratios = []
-    for window, run in zip(windows, _runs(problem, found, windows), strict=True):
+    runs = _runs(problem, found, windows, own_of_windows(problem, found, windows))
+    for window, run in zip(windows, runs, strict=True):
         error = (bounded(run.recorded) - window.reading) / np.sqrt(
             np.nan_to_num(run.recorded_variance) + problem.reading_variance
         )
@@ -38,11 +45,22 @@ def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -
     return np.concatenate(ratios)
 
 
-def _runs(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[FilterRun]:
-    """Filter runs over the known part of each window and on.
+def own_of_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Own | None]:
+    """What the recording of each window has of its own, estimated from the window's known part.
 
-    What a recording that was not fitted has of its own is estimated for each window from its known part.
+    `None` where the fit has it, or there is nothing of the kind.
     """
+    fitted = set(found.terms.recordings)
+    return [
+        own_of(problem, found, window.recording, _known_of(window))
+        if found.hypothesis.own and window.recording.name not in fitted
+        else None
+        for window in windows
+    ]
+
+
+def _runs(problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence[Own | None]) -> list[FilterRun]:
+    """Filter runs over the known part of each window and on."""
     runs: dict[int, FilterRun] = {}
     by_recording: dict[int, list[int]] = {}
     for i, window in enumerate(windows):
@@ -50,13 +68,12 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Filte
     for places in by_recording.values():
         recording = windows[places[0]].recording
         parts = [Part(windows[i].use, np.where(windows[i].known, windows[i].reading, np.nan)) for i in places]
-        if recording.name in found.terms.recordings or not found.hypothesis.own:
+        if all(own[i] is None for i in places):
             done = run_parts(problem, recording, found.terms, found.process_noise, parts)
         else:
-            own = [own_of(problem, found, recording, _known_of(windows[i])) for i in places]
             done = [
-                run_parts(problem, recording, found.terms, found.process_noise, [part], own=each)[0]
-                for part, each in zip(parts, own, strict=True)
+                run_parts(problem, recording, found.terms, found.process_noise, [part], own=own[i])[0]
+                for i, part in zip(places, parts, strict=True)
             ]
         runs |= dict(zip(places, done, strict=True))
     return [runs[i] for i in range(len(windows))]
@@ -76,8 +93,9 @@ def _known_of(window: Window) -> FloatArray:
 
 def errors_by_density(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
     """`window_errors` at each of `DENSITIES` of the process noise, shape (densities, windows) [m]."""
+    own = own_of_windows(problem, found, windows)
     fits = (replace(found, process_noise=float(density)) for density in DENSITIES)
-    return np.array([window_errors(problem, fit, windows) for fit in fits])
+    return np.array([window_errors(problem, fit, windows, own) for fit in fits])
 
 
 def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> Fit:
@@ -86,5 +104,6 @@ def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) ->
     Where errors of model or sensor are not white, the process noise of maximum likelihood, which is best for the next
     reading, is not the best for seconds.
     """
+    own = own_of_windows(problem, found, windows)
     fits = [found, *(replace(found, process_noise=float(density)) for density in DENSITIES)]
-    return min(fits, key=lambda fit: sum(error**2 for error in window_errors(problem, fit, windows)))
+    return min(fits, key=lambda fit: sum(error**2 for error in window_errors(problem, fit, windows, own)))

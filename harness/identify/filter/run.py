@@ -146,6 +146,9 @@ def deviance_of(
     reading: FloatArray | None = None,
 ) -> float:
     """Deviance of the innovations of one recording; arguments as for `run_filter`."""
-    run = run_filter(problem, recording, added, process_noise, own=own, reading=reading)
-    use = recording.judged if reading is None else filtered_against(reading)
+    reading = recording.reading if reading is None else reading
+    known = np.flatnonzero(np.isfinite(reading))
+    part = slice(int(known[0]), int(known[-1]) + 1)  # nothing is predicted before or behind
+    (run,) = run_parts(problem, recording, added, process_noise, [Part(part, reading[part])], own=own)
+    use = filtered_against(reading[part])
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])

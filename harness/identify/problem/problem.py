@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,8 @@ from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
-_CELL, _COARSE_STEP = 0.04, 0.025  # of free runs, whose errors are centimetres [s]
+_CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
+_QUICK_LENGTH = 60.0  # of the recordings of a quick search [s]: effects far above the noise show in a minute
 _ROUNDING = 1e-6  # of a cell: stamps are not exact multiples of the sampling interval
 _LONGEST_STEP = 1e-2  # [s]: error 2e-6 m in 10 s even where the ball reverses, a hundredth of any sensor's noise
 
@@ -90,15 +91,23 @@ class PreparedRecording:
         _, cell = np.unique(np.floor(time / _CELL + _ROUNDING), return_inverse=True)
         count = np.bincount(cell)
         return PreparedRecording(
-            self.name, np.bincount(cell, time) / count, np.bincount(cell, reading) / count, self.drive, _COARSE_STEP
+            self.name, np.bincount(cell, time) / count, np.bincount(cell, reading) / count, self.drive, _CELL
         )
+
+    @cached_property
+    def coarse(self) -> PreparedRecording:
+        """The first reading of each cell of 40 ms, with as long steps of the integration."""
+        known = np.flatnonzero(np.isfinite(self.reading))
+        _, first = np.unique(np.floor(self.time[known] / _CELL + _ROUNDING), return_index=True)
+        kept = known[first]
+        return PreparedRecording(self.name, self.time[kept], self.reading[kept], self.drive, _CELL)
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
         """Mask of the readings that the filter predicts, shape (n,)."""
         return filtered_against(self.reading)
 
-    @property
+    @cached_property
     def origin(self) -> float:
         """Position at which the rolled angle is φ₀: the first reading [m]."""
         return float(self.reading[np.isfinite(self.reading)][0])
@@ -139,6 +148,20 @@ class Problem:
         """Number of readings n."""
         return sum(int(np.isfinite(recording.reading).sum()) for recording in self.recordings)
 
+    @property
+    def steps(self) -> int:
+        """Number of integration steps of one run over all recordings."""
+        return sum(len(recording.grid.steps) for recording in self.recordings)
+
+    @cached_property
+    def coarse(self) -> Problem:
+        """The same with coarse recordings, of at most a minute altogether but two of them, for a quick search."""
+        recordings = self.recordings
+        mean = float(np.mean([one.time[-1] - one.time[0] for one in recordings]))
+        count = min(max(int(_QUICK_LENGTH / mean), 2), len(recordings))
+        chosen = np.linspace(0, len(recordings) - 1, count).round().astype(int)
+        return replace(self, recordings=tuple(recordings[i].coarse for i in chosen))
+
     @cached_property
     def visited(self) -> FloatArray:
         """All position readings, shape (readings,) [m]."""
@@ -152,7 +175,7 @@ class Problem:
         """
         process_noises = []
         for recording in self.recordings:
-            step = float(np.median(np.diff(recording.time)))
+            step = float(np.median(np.diff(recording.drive.time)))
             span = max(int(_FLOOR_SPAN / step), 1)
             for path in recording.drive.draw(_FLOOR_DRAWS, seed=0):
                 error = path.states[:, 0] - recording.drive.states[:, 0]

@@ -13,18 +13,22 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from analytic.effects import CATALOGUE
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.free_run_fit import Effort, FreeRunFit, fit_free_runs
+from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import Window, blocks_of, fitted_windows
+from harness.identify.problem.windows import Window, blocks_of, fitted_windows, windows_of
 from harness.identify.selection.candidates import candidates, fitted_each, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.progress import Progress
 
+_OF_A_SIZE = 2  # sets of common effects that are cross-validated: a set is rarely best that fits worse than two others
 _VANISHED = 1e-3  # of its typical size: a strength below which an effect is not there
 
 
@@ -33,7 +37,8 @@ def search_by_held_out_errors(
 ) -> tuple[Fit, Fit]:
     """Fits without and with the terms that predict held-out blocks best.
 
-    Those given are returned if nothing is surely better, and the base for both if it predicts better than `found`.
+    Those given are returned if nothing is surely better, or if the terms of `found` are best and its parameters predict
+    as well; and the base for both if it predicts better than `found`.
 
     Args:
         base, found: fits by likelihood, without and with the terms that it selects.
@@ -44,7 +49,7 @@ def search_by_held_out_errors(
     plain, best = search.jointly(base, found)
     if best is plain:
         return base, base
-    if best is None or best.hypothesis == found.refined:
+    if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
         return base, found
     while len(selected_effects(problem, best)) < problem.settings.max_effects:
         further = search.extended(best)
@@ -93,13 +98,20 @@ class _Search:
                 fits[subset] = self._better(one, fits.get(subset))
         selected = self._fitted([(found.refined, found)] if len(found.theta) > len(base.theta) else [])
         terms = self._validated([one.fit for one in selected])
-        sets = (one.fit for subset, one in fits.items() if subset and not _vanished(problem, one.fit))
-        others = self._validated([fit for fit in sets if fit.hypothesis != found.hypothesis])
-        best = self._decided(Rule.JOINT, [*terms, *others], plain, tests=len(terms) + len(others))
+        sets = [one for subset, one in fits.items() if subset and not _vanished(problem, one.fit)]
+        sets = [one for one in sets if one.fit.hypothesis != found.hypothesis]
+        others = self._validated([one.fit for one in self._best_of_each_size(sets)])
+        best = self._decided(Rule.JOINT, [*terms, *others], plain, tests=len(terms) + len(sets))
         if best is not None or not terms:
             return plain, best
         kept = self.ledger.decide(Rule.VALIDATE, terms[0], plain, _added(terms[0], plain))
         return plain, None if kept else plain
+
+    def _best_of_each_size(self, sets: Sequence[FreeRunFit]) -> list[FreeRunFit]:
+        """Of the sets of as many effects those of lowest loss, up to `_OF_A_SIZE`."""
+        by_loss = sorted(sets, key=lambda one: (len(one.fit.hypothesis.names), one.loss(self._scale)))
+        sizes = itertools.groupby(by_loss, key=lambda one: len(one.fit.hypothesis.names))
+        return [one for _, group in sizes for one in itertools.islice(group, _OF_A_SIZE)]
 
     def extended(self, best: Fit) -> Fit | None:
         """`best` with the candidate that reduces the held-out error most; `None` if no reduction is sure."""
@@ -144,7 +156,7 @@ class _Search:
         """Of fits with these effects beside the spline term of `best` the few of lowest loss, cross-validated."""
         begun = self._ranked([(Hypothesis(each, best.terms.spline), best) for each in names], effort=Effort.BRIEF)
         promising = [(one.fit.refined, one.fit) for one in begun[: 2 * self.problem.settings.validated_candidates]]
-        few = self._ranked(promising)[: self.problem.settings.validated_candidates]
+        few = self._ranked(promising, effort=Effort.NEAR)[: self.problem.settings.validated_candidates]
         return self._validated([one.fit for one in few])
 
     def _validated(self, fits: Sequence[Fit]) -> list[Fit]:
@@ -190,6 +202,14 @@ class _Search:
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit
         return kept
+
+
+def _predicts_as_well(problem: Problem, found: Fit, best: Fit) -> bool:
+    """Whether parameters by likelihood predict windows nearly as well as those by free runs: they are known better."""
+    windows = windows_of(problem.recordings)
+    by_likelihood = window_errors(problem, tuned_to_windows(problem, found, windows), windows)
+    by_free_runs = window_errors(problem, best, windows)
+    return float(np.mean(by_likelihood)) < (1.0 + problem.settings.held_out_rival) * float(np.mean(by_free_runs))
 
 
 def _added(fit: Fit, against: Fit) -> tuple[str, ...]:

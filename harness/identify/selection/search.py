@@ -13,6 +13,7 @@ from harness.identify.problem.windows import windows_of
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
+from harness.identify.selection.quick_search import first_round, unexplained
 from harness.identify.selection.spline_terms import with_spline_term
 from harness.identify.selection.stepwise import stepwise
 from harness.progress import Progress, silent
@@ -40,10 +41,7 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
     """
     ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
-    found = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, ledger, progress), base)
-    if not ledger.criterion.at_noise_floor(problem, found):
-        effects = found
-        found = ledger.attempt("spline terms", lambda: with_spline_term(problem, effects, ledger, progress), effects)
+    found = _by_likelihood(problem, base, ledger, progress)
     windows = windows_of(problem.recordings)
     if ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
         chosen = base, found
@@ -51,3 +49,14 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
             "search by held-out errors", lambda: search_by_held_out_errors(problem, *chosen, ledger, progress), chosen
         )
     return Selection(base, found, tuple(ledger.lines))
+
+
+def _by_likelihood(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """The fit that stepwise selection and spline terms lead to; after one round if they cannot explain the readings."""
+    quick = ledger.attempt("quick search", lambda: unexplained(problem, base, progress), None)
+    if quick is not None:
+        return ledger.attempt("first round", lambda: first_round(problem, base, quick, ledger, progress), base)
+    effects = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, ledger, progress), base)
+    if ledger.criterion.at_noise_floor(problem, effects):
+        return effects
+    return ledger.attempt("spline terms", lambda: with_spline_term(problem, effects, ledger, progress), effects)
