@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.effects import acting, motion_with
-from analytic.motion import BeamMotion, FloatArray
+from analytic.motion import BeamMotion, DelayedMotion, FloatArray, beam_states
 from analytic.quintic import QuinticMotion, through
 from tests.motions import Sines
 
@@ -129,3 +129,26 @@ def test_a_curve_bends_angle_and_rates() -> None:
         # central differences: h²/6 of a derivative two orders higher, rounding over h
         slopes = (of(FINE + step) - of(FINE - step)) / (2.0 * step)
         np.testing.assert_allclose(beam.derivative(FINE, order), slopes, rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("angle_gain", {"gain": 1.1}),
+        ("angle_lag", {"time_constant": 5e-4}),
+        ("angle_lag", {"time_constant": 0.2}),
+        ("angle_hold", {"interval": 0.1}),
+        ("angle_nonlinearity", {"square": 0.3, "cube": 0.2}),
+    ],
+)
+def test_angle_and_rates_come_at_once_as_one_by_one(name: str, values: dict[str, float]) -> None:
+    """Give the angle and its derivatives in one go as each for itself, within and beyond the stamps, delayed too."""
+    motion = DelayedMotion(motion_with(ROUGH, STAMPS, [acting(name, values)]), 0.12, STAMPS[0], STAMPS[-1])
+    time = np.linspace(STAMPS[0] - 0.5, STAMPS[-1] + 0.5, 5000)
+    found = beam_states(motion, time)
+    alone = (motion.evaluate(time), motion.derivative(time), motion.derivative(time, 2))
+    for order, (column, expected) in enumerate(zip(found.T, alone, strict=True)):
+        # A lag's rates follow from differences over it; else some roundings of α̈, the largest of the three.
+        constant = values.get("time_constant")
+        bound = 1e-13 if constant is None else rounding(constant) / constant**order
+        np.testing.assert_allclose(column, expected, rtol=1e-12, atol=bound)

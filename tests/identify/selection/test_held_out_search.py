@@ -80,3 +80,16 @@ def test_few_blocks_decide_nothing(pair: Problem) -> None:
     plain, found, ledger = searched(problem, base, other)
     assert (plain, found) == (base, other)
     assert ledger.lines == []
+
+
+def test_parameters_that_predict_worse_give_way_to_those_of_free_runs(pair: Problem) -> None:
+    """Keep the terms of the likelihood, and not its parameters, where these are far off and predict worse."""
+    hypothesis = Hypothesis(tuple(HIDDEN))
+    base, right = fit(pair, Hypothesis(())), fit(pair, hypothesis)
+    theta = right.theta * np.array([2.0, 0.2])
+    wrong = replace(right, theta=theta, terms=hypothesis.terms(theta, pair))
+    _, kept, _ = searched(pair, base, right)
+    _, mended, _ = searched(pair, base, wrong)
+    assert mended.estimator is Estimator.FREE_RUNS
+    assert mended.values()["rolling_resistance", "coefficient"] == pytest.approx(0.006, rel=0.1)
+    assert kept.hypothesis.names[0] == mended.hypothesis.names[0] == "rolling_resistance"
