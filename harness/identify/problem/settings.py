@@ -117,7 +117,7 @@ class Settings:
     )
     poor_errors: float = _setting(
         3.0,
-        "mean error of predictions over 3 s above which held-out errors decide, in deviations of a reading [1]",
+        "median error of predictions over 3 s above which held-out errors decide, in deviations of a reading [1]",
         "below it there is little to gain over seconds, and the likelihood tells more",
     )
     held_out_least: float = _setting(
