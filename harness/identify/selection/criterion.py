@@ -176,6 +176,8 @@ class Criterion:
         wins = sum(after < before for before, after in zip(evidence.before, evidence.after, strict=True))
         reproducible = 2 * wins >= len(evidence.before)
         text = f"lowers the BIC by {gain:.0f}"
+        if evidence.winner is not tried and gain > self.settings.spline_keep:
+            return False, f"{text}, less than another"
         if significant and not reproducible:
             text += ", but fitted to some of the recordings it does not predict the others"
         return significant and reproducible, text if significant else f"{text}, too little"

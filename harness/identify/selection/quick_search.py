@@ -54,7 +54,7 @@ def unexplained(problem: Problem, base: Fit, progress: Progress) -> QuickSearch 
         found = kept
     if _explains(coarse, found) or found.root_process_noise < _MUCH * first.root_process_noise:
         return None
-    found = with_spline_term(coarse, found, ledger, progress)
+    found = with_spline_term(coarse, first, found, ledger, progress)
     return None if _explains(coarse, found) else QuickSearch(tuple(rounds[0]), found)
 
 
@@ -76,7 +76,8 @@ def first_round(problem: Problem, base: Fit, quick: QuickSearch, ledger: Ledger,
     def title(one: Fit) -> str:
         return " + ".join(one.hypothesis.names)
 
-    tried = ledger.criterion.ranked(one for _, one in fitted_each(screened, quick.first, title, ledger.failures))
+    each = fitted_each(screened, quick.first, title, ledger.failures)
+    tried = sorted((one for _, one in each), key=ledger.criterion.value)
     tried = [fitted(one) for one in tried[:1]] + tried[1:]
     best = ledger.decide_round(Rule.ADD, tried, base) or base
     return min(best, fitted(quick.found), key=ledger.criterion.value)

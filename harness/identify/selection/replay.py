@@ -157,7 +157,8 @@ def _decisions(
         tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in group]
         winner = _winner(tried, criterion)
         for candidate, evidence in tried:
-            full = evidence if evidence.winner is None else replace(evidence, winner=winner)
+            among = any(evidence.winner is one for one, _ in tried)
+            full = replace(evidence, winner=winner) if among else evidence
             decisions.append(criterion.decide(Rule(rule), candidate, fits[against], full))
     return decisions
 

@@ -59,4 +59,4 @@ def _by_likelihood(problem: Problem, base: Fit, ledger: Ledger, progress: Progre
     effects = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, ledger, progress), base)
     if ledger.criterion.at_noise_floor(problem, effects):
         return effects
-    return ledger.attempt("spline terms", lambda: with_spline_term(problem, effects, ledger, progress), effects)
+    return ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -29,22 +30,23 @@ _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)  # process noise of a held-out reco
 _OPEN = 1e-3  # process noise with which the filter follows the readings despite missing physics [m²/s³]
 
 
-def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
-    """`found` with the best spline term, or `found` if none is kept.
+def with_spline_term(problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress) -> Fit:
+    """`found`, or `base` if that fits better, with the best spline term; `found` if none is kept.
 
-    A spline term that is kept is refined to twice the nodes if that pays and the kernel has room for them, and each
-    effect found before is tested again beside it.
+    Effects that imitated an unlisted one stand in the way of its spline term: so it is tried without them too. A spline
+    term that is kept is refined to twice the nodes if that pays and the kernel has room for them, and each effect found
+    before is tested again beside it.
+
+    Args:
+        base, found: fits without and with the effects selected.
     """
-    tried = _fit_kinds(problem, found, progress, ledger.failures)
-    if not tried:
+    tried = [(found, _fit_kinds(problem, found, progress, ledger.failures))]
+    if selected_effects(problem, found):
+        tried.append((base, _fit_kinds(problem, base, progress, ledger.failures)))
+    chosen = _reproducible(problem, found, tried, ledger, progress)
+    if chosen is None:
         return found
-    best = tried[0]
-    pays = ledger.criterion.needs_evidence(Rule.SPLINE, best, found)
-    before, after = held_out_deviances(problem, found, best, progress) if pays else ((), ())
-    evidence = Evidence(winner=best, before=before, after=after)
-    kept = [one for one in tried if ledger.decide(Rule.SPLINE, one, found, evidence=evidence)]
-    if not kept:
-        return found
+    found, best = chosen
     if _spline(best).refinable:
         best = ledger.attempt("finer spline term", partial(_with_finer_spline, problem, best, ledger, progress), best)
     for name in selected_effects(problem, found):
@@ -56,6 +58,28 @@ def with_spline_term(problem: Problem, found: Fit, ledger: Ledger, progress: Pro
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
         best = best if stays else without
     return best
+
+
+def _reproducible(
+    problem: Problem, found: Fit, tried: Sequence[tuple[Fit, Sequence[Fit]]], ledger: Ledger, progress: Progress
+) -> tuple[Fit, Fit] | None:
+    """The fit without, and the best fit with a spline term that predicts held-out recordings; `None` if there is none.
+
+    Args:
+        found: has to be surpassed in any case.
+        tried: fits without a spline term, and with one of each kind, best first.
+    """
+    criterion, chosen = ledger.criterion, None
+    for against, splines in sorted((each for each in tried if each[1]), key=lambda each: criterion.value(each[1][0])):
+        best = splines[0] if chosen is None else chosen[1]
+        surpasses = criterion.gain(best, found) > problem.settings.spline_keep
+        pays = chosen is None and surpasses and criterion.needs_evidence(Rule.SPLINE, best, against)
+        before, after = held_out_deviances(problem, against, best, progress) if pays else ((), ())
+        evidence = Evidence(winner=best if surpasses else found, before=before, after=after)
+        kept = [ledger.decide(Rule.SPLINE, one, against, evidence=evidence) for one in splines]
+        if any(kept):
+            chosen = against, best
+    return chosen
 
 
 def _spline(fit: Fit) -> SplineTerm:

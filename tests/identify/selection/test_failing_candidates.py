@@ -78,5 +78,5 @@ def test_spline_terms_that_all_fail_leave_the_effects(plain: Posed, monkeypatch:
     failures = Failures()
     ledger = search.Ledger(search.Criterion(plain.problem.settings), failures)
     found = search.fit(plain.problem, search.Hypothesis(()))
-    assert spline_terms.with_spline_term(plain.problem, found, ledger, lambda *_, **__: None) is found
+    assert spline_terms.with_spline_term(plain.problem, found, found, ledger, lambda *_, **__: None) is found
     assert len(failures.all) == len(spline_terms.KINDS)

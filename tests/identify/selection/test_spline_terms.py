@@ -113,6 +113,6 @@ def test_a_single_gust_leaves_a_reason_in_the_ledger(tmp_path: Path) -> None:
     problem = blown(tmp_path / "case", both=False)
     found = fit(problem, Hypothesis(()))
     ledger = Ledger(Criterion())
-    assert with_spline_term(problem, found, ledger, lambda _: None) is found
+    assert with_spline_term(problem, found, found, ledger, lambda _: None) is found
     assert not any(line.kept for line in ledger.lines)
     assert "does not predict the others" in ledger.lines[0].because
