@@ -14,6 +14,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger
+from tests.coloured import with_coloured_readings
 from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.006}, "channel_delay": {"delay": 0.05}}
@@ -24,14 +25,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """A dry friction and a delay are hidden, under coloured errors of the position sensor that no model declares."""
     folder: Path = tmp_path_factory.mktemp("pair")
     problem = pose(folder / "case", 3, HIDDEN).problem
-    generator = np.random.default_rng(0)
-    spoilt = []
-    for one in problem.recordings:
-        colour = np.zeros(len(one.time))
-        for k in range(1, len(colour)):
-            colour[k] = 0.95 * colour[k - 1] + 5e-4 * generator.standard_normal()
-        spoilt.append(replace(one, reading=one.reading + colour))
-    return replace(problem, recordings=tuple(spoilt))
+    return with_coloured_readings(problem, 0.95, 5e-4)
 
 
 def searched(problem: Problem, base: Fit, found: Fit) -> tuple[Fit, Fit, Ledger]:

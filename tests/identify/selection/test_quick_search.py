@@ -16,6 +16,7 @@ from harness.identify.selection.candidates import candidates
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.quick_search import first_round, unexplained
+from tests.coloured import with_coloured_readings
 from tests.posed import pose
 
 SHORT = 100  # integration steps from which a quick search is made here
@@ -30,14 +31,7 @@ def always(problem: Problem) -> Problem:
 def dirty(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """Positions of a sensor whose error wanders by a centimetre, which no effect on ball or beam explains."""
     problem = pose(tmp_path_factory.mktemp("dirty") / "case", 3).problem
-    generator = np.random.default_rng(0)
-    spoilt = []
-    for one in problem.recordings:
-        colour = np.zeros(len(one.time))
-        for k in range(1, len(colour)):
-            colour[k] = 0.9 * colour[k - 1] + 4e-3 * generator.standard_normal()
-        spoilt.append(replace(one, reading=one.reading + colour))
-    return always(replace(problem, recordings=tuple(spoilt)))
+    return always(with_coloured_readings(problem, 0.9, 4e-3))
 
 
 def test_what_one_effect_explains_is_left_to_the_whole_search(tmp_path: Path) -> None:
