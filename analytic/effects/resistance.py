@@ -97,7 +97,8 @@ STRIBECK_FRICTION = Effect(
         lambda k, rig, v: {
             slots.DRY_PLUS: v["kinetic_coefficient"],
             slots.DRY_MINUS: v["kinetic_coefficient"],
-            slots.DRY_STATIC: v["static_coefficient"] - v["kinetic_coefficient"],
+            # A friction that falls with the velocity is Stribeck's; without that it is the kinetic one alone.
+            slots.DRY_STATIC: max(v["static_coefficient"] - v["kinetic_coefficient"], 0.0),
             slots.STRIBECK_VELOCITY: v["stribeck_velocity"],
         }
     ),

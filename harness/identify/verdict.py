@@ -144,7 +144,7 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
     parameters = {}
     for parameter in acting.effect.parameters:
         value = acting.values[parameter.name]
-        half = TWO_SIDED * found.inflation(problem.settings) * float(deviations[name, parameter.name])
+        half = TWO_SIDED * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
     rivals = _rivals(name, found, ledger, Criterion(problem.settings))
     implausible = tuple(
@@ -160,9 +160,8 @@ def _by_recording(problem: Problem, effect: Effect, found: Fit) -> dict[str, Est
         return {}
     unit, halves = effect.by_recording.unit, found.own_deviations(effect.name)
     values = zip(found.terms.recordings, map(float, found.terms.own[effect.name]), strict=True)
-    factor = TWO_SIDED * problem.settings.inflation
     return {
-        name: Estimate(value, value - factor * halves[name], value + factor * halves[name], unit)
+        name: Estimate(value, value - TWO_SIDED * halves[name], value + TWO_SIDED * halves[name], unit)
         for name, value in values
     }
 
@@ -189,7 +188,7 @@ def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> t
         if effect is None:
             continue
         main = effect.parameters[0]
-        error = line.fit.inflation(problem.settings) * line.fit.deviations()[name, main.name]
+        error = line.fit.deviations()[name, main.name]
         limit = criterion.detection_limit(line.fit.readings, len(effect.parameters))
         if not error or main.size(problem.rig) / error < limit:
             unseen.append(name)

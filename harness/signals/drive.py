@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from analytic.quintic import QuinticMotion
+from harness.signals.error_process import ErrorProcess, error_process
 from harness.signals.quantised import smooth_rounded
 from harness.signals.spline_smoother import Smoothed, draw
 
@@ -63,6 +65,11 @@ class Drive(QuinticMotion):
     residual_ratio: float
     _smoothed: Smoothed
     _variance: FloatArray
+
+    @cached_property
+    def error(self) -> ErrorProcess:
+        """The error of `states` as a Gauss–Markov process."""
+        return error_process(self._smoothed, self._variance)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

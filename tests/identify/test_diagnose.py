@@ -78,7 +78,7 @@ def test_cases_are_fitted_and_forecast(folder: Path) -> None:
     found = fit(problem, Hypothesis(tuple(one["name"] for one in truth["effects"])))
     for one in truth["effects"]:
         for key, value in one["parameters"].items():
-            reach = 1.96 * problem.settings.inflation * found.deviations()[one["name"], key]
+            reach = 1.96 * found.deviations()[one["name"], key]
             assert abs(found.values()[one["name"], key] - value) < reach, key
             assert reach < 0.03 * abs(value), key  # what the prediction below is allowed for it
     record = PreparedRecording.of(observe(case.recordings["rec_03.csv"], case.sensors, problem.rig))

@@ -59,14 +59,13 @@ def test_virtual_rig_is_put_up_anew_for_each_recording() -> None:
 
 def test_fit_finds_the_level_of_every_recording(problem: Problem, found: Fit) -> None:
     """Estimate each level and their standard deviation within four of their own deviations."""
-    factor = problem.settings.inflation
     errors = found.own_deviations(NAME)
     for recording, value, level in zip(problem.recordings, found.terms.own[NAME], LEVELS, strict=False):
-        assert value == pytest.approx(level, abs=4.0 * factor * errors[recording.name])
+        assert value == pytest.approx(level, abs=4.0 * errors[recording.name])
         assert errors[recording.name] < 0.02 * SPREAD
     (acting,) = found.terms.effects
     error = found.deviations()[NAME, "spread"]
-    assert acting.values["spread"] == pytest.approx(SPREAD, abs=4.0 * factor * error)
+    assert acting.values["spread"] == pytest.approx(SPREAD, abs=4.0 * error)
     # the standard deviation of three values that are independent is as uncertain as each is, over √3
     assert error == pytest.approx(np.sqrt(np.mean(np.square(list(errors.values())))) / np.sqrt(3.0), rel=0.5)
 

@@ -50,7 +50,7 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
     assert open_problem.unknown == ("angle_gain",)
     ratio = open_problem.rig.rolling_ratio
     gain = base.values()["angle_gain", "gain"]
-    reach = 1.96 * open_problem.settings.inflation * base.deviations()["angle_gain", "gain"]
+    reach = 1.96 * base.deviations()["angle_gain", "gain"]
     assert abs(gain * ratio - Rig().rolling_ratio) < reach * ratio
     assert Criterion().at_noise_floor(open_problem, base)
     # Another completion, whose K is 1 % more, is made up for.

@@ -51,7 +51,9 @@ def choose_to_discriminate(
         length: of the beam, where it is known [m].
     """
     envelope = envelope_of(problem, length)
-    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
+    steady_filters = SteadyFilters.of(
+        envelope.interval, problem.reading_variance, problem.with_angle(found.process_noise)
+    )
     at_hand = [pair.fit.deviance - found.deviance for pair in pairs]
 
     def simulate(profile: Profile) -> SimulatedRun | None:
@@ -91,7 +93,9 @@ def choose_to_detect(
         length: of the beam, where it is known [m].
     """
     envelope = envelope_of(problem, length)
-    steady_filters = SteadyFilters.of(envelope.interval, problem.reading_variance, found.process_noise)
+    steady_filters = SteadyFilters.of(
+        envelope.interval, problem.reading_variance, problem.with_angle(found.process_noise)
+    )
     alternatives = [_with_typical_effect(found, name, envelope) for name in unseen]
     criterion = Criterion(problem.settings)
     needed = [criterion.detection_limit(len(envelope.time), len(CATALOGUE[name].parameters)) for name in unseen]
@@ -168,8 +172,8 @@ def _only_in(fit: Fit, other: Fit) -> list[str]:
 
 
 def _sigma(problem: Problem, deviance: float) -> float:
-    """Separation √(ΔD/ĉ) of a difference of deviance ΔD [σ]."""
-    return math.sqrt(max(deviance, 0.0) / problem.settings.overdispersion)
+    """Separation √ΔD of a difference of deviance ΔD [σ]."""
+    return math.sqrt(max(deviance, 0.0))
 
 
 def _with_typical_effect(found: Fit, name: str, envelope: OperatingEnvelope) -> Terms:

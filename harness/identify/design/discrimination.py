@@ -102,7 +102,8 @@ def _steady(interval: float, R: float, process_noise: float, true: float) -> tup
 def mean_innovations(problem: Problem, run: SimulatedRun, values: Terms) -> FloatArray:
     """Innovations of a model on a noiseless recording, at the process noise of `SteadyFilters.open`, (n − 1,) [m]."""
     at = repeated(values)
-    out = run_filter(problem, run.recording, at, _OPEN, own=at.own_at(0), reading=run.reading)
+    # By slopes: the mean over so much process noise is not the path of a ball without any.
+    out = run_filter(problem, run.recording, at, _OPEN, own=at.own_at(0), reading=run.reading, points=False)
     return out.innovation[1:]
 
 
@@ -158,7 +159,8 @@ def _for_new_recording(problem: Problem, alone: Problem, fit: Fit) -> FloatArray
 def open_loop_drift(problem: Problem, found: Fit, run: SimulatedRun) -> float:
     """Standard deviation of the ball's final position if the angle is replayed without feedback [m].
 
-    From the process noise, integrated twice, and the parameters, along the principal axes of their covariance.
+    From process noise and angle error, integrated twice, and the parameters, along the principal axes of their
+    covariance.
     """
     alone = replace(problem, recordings=(run.recording,))
     theta, size = _for_new_recording(problem, alone, found), len(found.hypothesis.parameters)
@@ -172,5 +174,5 @@ def open_loop_drift(problem: Problem, found: Fit, run: SimulatedRun) -> float:
         at = repeated(found.hypothesis.terms(np.clip(moved, low, high), alone))
         out = run_filter(problem, run.recording, at, found.process_noise, own=at.own_at(0))
         square += float(out.recorded[-1] - run.reading[-1]) ** 2
-    noise = found.process_noise * (run.recording.time[-1] - run.recording.time[0]) ** 3 / 3.0
-    return math.sqrt(problem.settings.overdispersion * square + noise)
+    noise = problem.with_angle(found.process_noise) * (run.recording.time[-1] - run.recording.time[0]) ** 3 / 3.0
+    return math.sqrt(square + noise)

@@ -7,7 +7,6 @@ reported interval do.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +22,7 @@ _LONGEST = 1.0  # longest step, in scaled parameters
 
 
 def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
-    """The same fit, its covariance by differences over ± one inflated standard deviation of each parameter.
+    """The same fit, its covariance by differences over ± one standard deviation of each parameter.
 
     It is the standard deviation with the other parameters held fixed, since the parameter is moved alone. A fit to free
     runs keeps its own.
@@ -35,13 +34,12 @@ def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
 
 
 def interval_jacobian(problem: Problem, found: Fit) -> FloatArray:
-    """Differences of the normalised innovations over ± one inflated standard deviation per scaled parameter, shape
+    """Differences of the normalised innovations over ± one standard deviation per scaled parameter, shape
     (readings, k)."""
-    inflation = math.sqrt(problem.settings.overdispersion)
     residuals = Residuals(problem, found.hypothesis, found.process_noise)
     reach = np.full(len(found.theta), 1e-3)
     for _ in range(_ITERATIONS):
         jacobian = residuals.jacobian_over(found.theta, reach)
         norms = np.sqrt(np.sum(jacobian**2, axis=0))
-        reach = inflation / np.maximum(norms, inflation / _LONGEST)
+        reach = 1.0 / np.maximum(norms, 1.0 / _LONGEST)
     return jacobian

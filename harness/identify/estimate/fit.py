@@ -18,10 +18,10 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
+from harness.identify.filter import run as filter_run
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import PHASE, Hypothesis, Terms, own_key
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.settings import Settings
 
 TWO_SIDED = 1.96  # half width of the 95 % interval of a normal variable [σ]
 PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
@@ -48,13 +48,14 @@ class Fit:
         terms: effects, phases and spline term with these parameters.
         process_noise: density [m²/s³].
         deviance: −2 log likelihood up to a constant.
-        covariance: of the parameters in their units, without overdispersion, shape (k, k).
+        covariance: of the parameters in their units, shape (k, k).
         readings: number n of readings.
         abandoned: whether it is a screening fit, or one of a single round, that was not continued because its criterion
             was behind that of the best candidate, or no candidate promised anything.
         estimator: of the parameters; process noise and deviance are those of the filter in any case.
         held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
         band: factor by which errors of held-out blocks exceed the standard deviations that the filter foresees [1].
+        quiet_deviance: deviance of the same terms without process noise.
     """
 
     hypothesis: Hypothesis
@@ -68,6 +69,7 @@ class Fit:
     estimator: Estimator = Estimator.LIKELIHOOD
     held_out: tuple[float, ...] = ()
     band: float = 1.0
+    quiet_deviance: float = math.inf
 
     @property
     def refined(self) -> Hypothesis:
@@ -92,12 +94,8 @@ class Fit:
             }
         return values
 
-    def inflation(self, settings: Settings) -> float:
-        """Factor of standard errors [1]; the covariance of a fit to free runs is that of the errors that it makes."""
-        return settings.inflation if self.estimator is Estimator.LIKELIHOOD else 1.0
-
     def deviations(self) -> dict[tuple[str, str], float]:
-        """Standard error of every (effect, parameter), without overdispersion."""
+        """Standard error of every (effect, parameter)."""
         errors = np.sqrt(np.diag(self.covariance).clip(min=0.0))
         deviations = dict(zip(self.hypothesis.parameters, errors, strict=False))
         for name, own in self.terms.own.items():
@@ -111,7 +109,7 @@ class Fit:
         return deviations
 
     def own_deviations(self, name: str) -> dict[str, float]:
-        """Standard error of an effect's value in each recording, without overdispersion, by the recording's name."""
+        """Standard error of an effect's value in each recording, by the recording's name."""
         at = self._own_slice(name)
         errors = np.sqrt(np.diag(self.covariance[at, at]).clip(min=0.0))
         return dict(zip(self.terms.recordings, map(float, errors), strict=True))
@@ -160,7 +158,13 @@ def unrefined(problem: Problem, hypothesis: Hypothesis, screened: ScreeningFit) 
         screened.deviance,
         screened.covariance,
         problem.readings,
+        quiet_deviance=quiet_deviance(problem, best),
     )
+
+
+def quiet_deviance(problem: Problem, terms: Terms) -> float:
+    """Deviance of the terms without process noise, which a complete model does not need."""
+    return filter_run.deviance(problem, terms, problem.least_process_noise)
 
 
 def _fit_from(
@@ -169,7 +173,7 @@ def _fit_from(
     low, high = hypothesis.bounds(problem)
     theta = np.clip(theta, low + INSIDE, high - INSIDE)
     slopes, smoothness = np.zeros((problem.readings, len(theta))), hypothesis.smoothness(problem)
-    lowest = 2.0 * math.log(problem.settings.noise_floor_share * problem.angle_floor)
+    lowest = math.log(problem.least_process_noise)
     process_noise, deviance = max(process_noise, math.exp(lowest)), math.inf
     for number in range(rounds):
         before = deviance
@@ -188,7 +192,8 @@ def _fit_from(
             break
     best = hypothesis.terms(theta, problem)
     covariance = information_inverse(problem, hypothesis, slopes)
-    return Fit(hypothesis, theta, best, process_noise, deviance, covariance, problem.readings)
+    quiet = quiet_deviance(problem, best)
+    return Fit(hypothesis, theta, best, process_noise, deviance, covariance, problem.readings, quiet_deviance=quiet)
 
 
 def _least_squares(

@@ -57,7 +57,7 @@ def forecast(
     count = len(found.theta)
     if count:
         scale = found.hypothesis.scale(problem)
-        root = found.inflation(problem.settings) * _root(found.covariance / np.outer(scale, scale))
+        root = _root(found.covariance / np.outer(scale, scale))
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(recording.time))

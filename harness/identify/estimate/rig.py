@@ -10,7 +10,7 @@ mass or radius has to be adapted to them on the way, and K may leave (0, 1), whi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -48,7 +48,6 @@ _PROPORTIONAL = [
     IMBALANCE,
     DAHL_STIFFNESS,
 ]  # slots of the kernel's vector that contain K as a factor
-_DRAWS = 24  # of the beam motion
 _ROUNDS = 3  # of parameters and process noise in turn: K and ℓ enter linearly, and a diagnosis fits all of it again
 _MAX_LEVER_STD = 0.02  # largest standard error of an estimated lever that is used [m]
 
@@ -147,7 +146,7 @@ def _with_lever(problem: Problem, found: Fit) -> Fit:
     wider = _RigHypothesis((*found.hypothesis.names, _LEVER.name))
     begin = np.append(found.theta, problem.rig.lever / wider.scale(problem)[-1])
     slopes = Residuals(problem, wider, found.process_noise).jacobian(begin, COARSE_STEP)
-    variance = problem.settings.overdispersion * information_inverse(problem, wider, slopes)[-1, -1]
+    variance = information_inverse(problem, wider, slopes)[-1, -1]
     if variance > _MAX_LEVER_STD**2:
         return found
     return fit(problem, wider, starts=(begin,), process_noise=found.process_noise, rounds=_ROUNDS)
@@ -159,25 +158,5 @@ def _key(effect: Effect) -> tuple[str, str]:
 
 
 def _covariance(problem: Problem, found: Fit) -> FloatArray:
-    """Covariance of the fitted parameters in their units, shape (k, k).
-
-    Variances are the larger ones of two: those of identification, overdispersed, and those of the likelihood's
-    curvature together with what drawn beam motions move the estimates by. Fast errors of the angle are in both; slow
-    ones, such as that of a beam at rest within one count, are no white process noise and only in the second.
-    """
-    residuals = Residuals(problem, found.hypothesis, found.process_noise)
-    slopes, here = interval_jacobian(problem, found), residuals.at(found.theta)
-    paths = [record.drive.draw(_DRAWS, seed) for seed, record in enumerate(problem.recordings)]
-    moved = []
-    for drawn in zip(*paths, strict=True):
-        records = [
-            replace(record, drive=replace(record.drive, states=path.states))
-            for record, path in zip(problem.recordings, drawn, strict=True)
-        ]
-        other = Residuals(replace(problem, recordings=tuple(records)), found.hypothesis, found.process_noise)
-        moved.append(other.at(found.theta) - here)
-    shifts = np.linalg.lstsq(slopes, np.array(moved).T)[0] * found.hypothesis.scale(problem)[:, None]
-    curvature = information_inverse(problem, found.hypothesis, slopes)
-    both = curvature + shifts @ shifts.T / _DRAWS
-    widen = np.maximum(1.0, problem.settings.inflation * np.sqrt(np.diag(curvature) / np.diag(both)))
-    return both * np.outer(widen, widen)
+    """Covariance of the fitted parameters in their units, shape (k, k)."""
+    return information_inverse(problem, found.hypothesis, interval_jacobian(problem, found))

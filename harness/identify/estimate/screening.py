@@ -118,7 +118,7 @@ def _one_step(
 
 def _with_less_noise(problem: Problem, hypothesis: Hypothesis, screened: ScreeningFit) -> ScreeningFit:
     """The same with less process noise as long as that lowers the deviance, as it does if the law was missing."""
-    lowest = (problem.settings.noise_floor_share * problem.angle_floor) ** 2
+    lowest = problem.least_process_noise
     for factor in _NOISE_FACTORS:
         reduced = factor * screened.process_noise
         if reduced < lowest:

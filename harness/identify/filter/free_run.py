@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 from analytic.step import advance
-from harness.identify.filter.ekf import BeamTable, lagging
+from harness.identify.filter.arguments import BeamTable, lagging
 
 # Changes of a start for derivatives by it [m], [m/s]: wide enough to average over the jumps that arise where dry
 # friction stops the ball.

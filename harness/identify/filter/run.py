@@ -11,13 +11,8 @@ import numpy as np
 from analytic.effects import SensorLaw, parameters_with
 from analytic.motion import FloatArray
 from analytic.slots import ORIGIN
-from harness.identify.filter.ekf import (
-    BeamTable,
-    Readings,
-    Sensor,
-    extended_kalman_filter,
-    negative_two_log_likelihood,
-)
+from harness.identify.filter.arguments import BeamTable, Readings, Sensor
+from harness.identify.filter.ekf import extended_kalman_filter, negative_two_log_likelihood
 from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
 
@@ -74,6 +69,7 @@ def run_filter(
     *,
     own: Own | None = None,
     reading: FloatArray | None = None,
+    points: bool = True,
 ) -> FilterRun:
     """Run the filter over one recording.
 
@@ -82,8 +78,9 @@ def run_filter(
         process_noise: density [m²/s³].
         own: what the recording has of its own; by default what the terms say.
         reading: readings in place of the recording's, shape (n,), NaN where missing [m].
+        points: whether steps in which dry friction may stop the ball are taken at points.
     """
-    (run,) = run_parts(problem, recording, added, process_noise, [Part(slice(None), reading)], own=own)
+    (run,) = run_parts(problem, recording, added, process_noise, [Part(slice(None), reading)], own=own, points=points)
     return run
 
 
@@ -102,16 +99,20 @@ def run_parts(
     parts: Sequence[Part],
     *,
     own: Own | None = None,
+    points: bool = True,
 ) -> list[FilterRun]:
     """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
     law = problem.sensor(added.effects)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
     sensor = Sensor(law.gain, law.lag, problem.reading_variance, law.square, law.cube)
+    error = recording.error_with((*problem.declared, *added.effects))
     runs = []
     for use, reading in parts:
+        first, last, _ = use.indices(len(recording.time))
         readings = Readings(recording.time[use], recording.reading[use] if reading is None else reading)
         beam = beam_over(recording, table, use)
-        runs.append(FilterRun(*extended_kalman_filter(readings, beam, p, sensor, process_noise), law))
+        out = extended_kalman_filter(readings, beam, p, sensor, process_noise, error.between(first, last), points)
+        runs.append(FilterRun(*out, law))
     return runs
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, SensorLaw, motion_with, sensor_with
+from analytic.effects import Acting, SensorLaw, motion_with, sensor_with, transmission_with
 from analytic.kernel import Grid
 from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray
@@ -17,6 +17,7 @@ from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
+from harness.signals.error_process import ErrorProcess
 
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
 _CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
@@ -103,6 +104,23 @@ class PreparedRecording:
         return PreparedRecording(self.name, self.time[kept], self.reading[kept], self.drive, _CELL)
 
     @cached_property
+    def error(self) -> ErrorProcess:
+        """The error of the measured angle at the stamps, which are stamps of the drive."""
+        stamps = np.searchsorted(self.drive.time, self.time)
+        if stamps[-1] - stamps[0] == len(stamps) - 1:
+            return self.drive.error.between(int(stamps[0]), int(stamps[-1]) + 1)
+        return self.drive.error.at(stamps)
+
+    def error_with(self, effects: Sequence[Acting]) -> ErrorProcess:
+        """`error` of the beam's angle, where `effects` stand between it and the measured one.
+
+        To first order: a gain multiplies the error; a play passes it on, and what a delay of the position shifts it by
+        is short against the time over which its variance changes.
+        """
+        gain = transmission_with(effects).gain
+        return self.error if gain == 1.0 else self.error.scaled(gain)
+
+    @cached_property
     def judged(self) -> NDArray[np.bool_]:
         """Mask of the readings that the filter predicts, shape (n,)."""
         return filtered_against(self.reading)
@@ -171,7 +189,7 @@ class Problem:
     def angle_floor(self) -> float:
         """Input-noise floor: root density of the acceleration due to the angle error [m/s² per √Hz].
 
-        Estimated from draws of the drive; equal to the root process noise of a complete model.
+        Estimated from draws of the drive: as white noise, the error acts like this on a ball over half a second.
         """
         process_noises = []
         for recording in self.recordings:
@@ -182,6 +200,15 @@ class Problem:
                 turned = np.cumsum(error) * step
                 process_noises.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
         return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(process_noises)))
+
+    @property
+    def least_process_noise(self) -> float:
+        """Lower bound of the process noise, at which it changes no innovation [m²/s³]."""
+        return (self.settings.noise_floor_share * self.angle_floor) ** 2
+
+    def with_angle(self, process_noise: float) -> float:
+        """Process noise that contains the angle error, for a motion that is only planned [m²/s³]."""
+        return process_noise + self.angle_floor**2
 
     def sensor(self, effects: Sequence[Acting]) -> SensorLaw:
         """The position sensor with the known effects and `effects`."""

@@ -84,7 +84,7 @@ def fit_candidates(
         because the process noise then hides the gain."""
         deviance = min(end.expected_deviance for end in screened)
         price = math.log(problem.readings) * (len(screened[0].theta) - len(base.theta)) if at_floor else 0.0
-        return (base.deviance - deviance) / settings.overdispersion - price
+        return base.deviance - deviance - price
 
     steps = (COARSE_STEP,) if at_floor or replacing else _STEPS
     screened = _screened(problem, base, progress, excluding, steps, failures)
@@ -117,7 +117,7 @@ def fit_candidates(
 
     begun = [one for _, one in fitted_each(begin, names, lambda name: _title(base, name), failures)]
     best = min((criterion.value(one) for one in begun if one.hypothesis.names[-1] in promising), default=-math.inf)
-    return sorted((one for _, one in fitted_each(finish, begun, title, failures)), key=criterion.value)
+    return criterion.ranked(one for _, one in fitted_each(finish, begun, title, failures))
 
 
 def best_screened(problem: Problem, base: Fit, progress: Progress, failures: Failures | None = None) -> float:

@@ -1,15 +1,14 @@
 """The criterion and every decision rule of the selection, with the reason for each decision.
 
-Fits are compared by the quasi-BIC, D/ĉ + k log n: deviance D over the overdispersion ĉ, as in the QAIC (Lebreton et
-al., Ecological Monographs 62, 1992), and a penalty of log n for each of k parameters (Schwarz, Annals of Statistics 6,
-1978). If either fit has a spline term, both are compared by the BIC (ĉ = 1); for the term itself the threshold is
-higher (`spline_keep`).
+Fits are compared by the BIC, D + k log n: deviance D and a penalty of log n for each of k parameters (Schwarz, Annals
+of Statistics 6, 1978). Process noise is such a parameter: a complete model does without, and an effect that makes it
+unnecessary saves its price. Else the process noise would take up most of a small effect in a short recording.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal
@@ -83,25 +82,31 @@ class Criterion:
     settings: Settings = field(default=DEFAULT)
 
     def value(self, fit: Fit) -> float:
-        """Quasi-BIC of a fit; BIC if it has a spline term; of a fit to free runs the log of its mean held-out error.
+        """BIC of a fit, with or without process noise, whichever is lower; process noise counts as a parameter.
 
-        The last is in m, and each parameter, a spline term for one, has to reduce it by `held_out_share`.
+        Up to the price of one parameter, which all hypotheses then have in common. Of a fit to free runs it is the log
+        of its mean held-out error in m, which each parameter, a spline term for one, has to reduce by
+        `held_out_share`.
         """
         if fit.estimator is Estimator.FREE_RUNS:
             numbers = len(fit.hypothesis.parameters) + (fit.hypothesis.spline is not None)
             return math.log(np.mean(fit.held_out)) + self.settings.held_out_share * numbers
-        return self._value(fit, spline=fit.hypothesis.spline is not None)
+        price = math.log(fit.readings)
+        return min(fit.deviance, fit.quiet_deviance - price) + price * len(fit.theta)
 
     def gain(self, tried: Fit, against: Fit) -> float:
-        """Decrease of the criterion from `against` to `tried`; of the BIC if either has a spline term."""
-        if tried.estimator is Estimator.FREE_RUNS:
-            return self.value(against) - self.value(tried)
-        spline = _by_bic(tried, against)
-        return self._value(against, spline=spline) - self._value(tried, spline=spline)
+        """Decrease of the criterion from `against` to `tried`."""
+        return self.value(against) - self.value(tried)
 
-    def _value(self, fit: Fit, *, spline: bool) -> float:
-        overdispersion = 1.0 if spline else self.settings.overdispersion
-        return fit.deviance / overdispersion + math.log(fit.readings) * len(fit.theta)
+    def ranked(self, fits: Iterable[Fit]) -> list[Fit]:
+        """The fits of a round, lowest criterion first; before it, of those indistinguishable from it, the simplest.
+
+        A law of two numbers that fits hardly better than one of a single number is not what the readings tell.
+        """
+        ranked = sorted(fits, key=self.value)
+        near = [fit for fit in ranked if self.value(fit) < self.value(ranked[0]) + self.settings.rival]
+        simplest = min(near, key=lambda fit: len(fit.theta), default=None)
+        return [] if simplest is None else [simplest, *(fit for fit in ranked if fit is not simplest)]
 
     def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT], tried: Fit, against: Fit) -> bool:
         """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold."""
@@ -142,17 +147,22 @@ class Criterion:
         kept = not gain < self.settings.keep
         return (
             kept,
-            f"{_lowers(tried, against, gain)} beside the others" if kept else "is no longer needed beside the others",
+            f"{_lowers(gain)} beside the others" if kept else "is no longer needed beside the others",
         )
 
     def _swap(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best candidate replaces an effect if the criterion is lower with it."""
+        """The best candidate replaces an effect if the criterion is lower with it; by `rival` if it has more parameters.
+
+        A law that fits hardly better does not justify them.
+        """
         assert evidence.holder is not None
-        kept = evidence.winner is tried and self.value(tried) < self.value(evidence.holder)
+        more = self.settings.rival if len(tried.theta) > len(evidence.holder.theta) else 0.0
+        kept = evidence.winner is tried and self.value(tried) < self.value(evidence.holder) - more
         if evidence.winner is tried and not kept and gain > 0.0:
             behind = self.value(tried) - self.value(evidence.holder)
-            how = _lowers(tried, against, gain)
-            return kept, f"{how}, {behind:.1f} less than the effect that it would replace"
+            if behind < 0.0:
+                return kept, f"{_lowers(gain)}, only {-behind:.1f} more than the simpler effect that it would replace"
+            return kept, f"{_lowers(gain)}, {behind:.1f} less than the effect that it would replace"
         return kept, self._because(tried, against, gain, kept, evidence)
 
     def _split(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
@@ -227,16 +237,19 @@ class Criterion:
         return mean_reduction(before, after, self.settings.chance / tests)
 
     def _because(self, tried: Fit, against: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
-        lowers = _lowers(tried, against, gain)
+        lowers = _lowers(gain)
         if kept:
             return lowers
         short = " (fit not continued)" if tried.abandoned else ""
         if not gain > 0.0:
-            return f"does not lower the {_name(tried, against)}{short}"
+            return f"does not lower the BIC{short}"
         if evidence.winner is None or evidence.winner is tried:
             return f"{lowers}, too little{short}"
         behind = self.value(tried) - self.value(evidence.winner)
-        return f"{lowers}, {behind:.0f} less than {evidence.winner.hypothesis.names[-1]}{short}"
+        other = evidence.winner.hypothesis.names[-1]
+        if behind < 0.0:
+            return f"{lowers}, only {-behind:.0f} more than {other}, which has fewer parameters"
+        return f"{lowers}, {behind:.0f} less than {other}{short}"
 
     def predicts_poorly(self, problem: Problem, errors: Sequence[float]) -> bool:
         """Whether the errors of windows, shape (windows,) [m], are far above the deviation of a reading."""
@@ -264,7 +277,7 @@ class Criterion:
         return comparable and self.value(fit) < self.value(found) + self.settings.rival
 
     def rival_separation(self, fit: Fit, found: Fit) -> float:
-        """Separation √(ΔD/ĉ) from which `fit` is distinguishable from `found` [σ]."""
+        """Separation √ΔD from which `fit` is distinguishable from `found` [σ]."""
         price = math.log(found.readings) * (len(fit.theta) - len(found.theta))
         return math.sqrt(max(self.settings.rival - price, 0.0))
 
@@ -278,14 +291,5 @@ def _held_out_errors(tried: Fit, against: Fit) -> str:
     return f"predicts held-out blocks with a mean error of {after:.3g} mm instead of {before:.3g} mm"
 
 
-def _by_bic(tried: Fit, against: Fit) -> bool:
-    """Whether the two are compared by the BIC: either has a spline term."""
-    return tried.hypothesis.spline is not None or against.hypothesis.spline is not None
-
-
-def _name(tried: Fit, against: Fit) -> str:
-    return "BIC" if _by_bic(tried, against) else "quasi-BIC"
-
-
-def _lowers(tried: Fit, against: Fit, gain: float) -> str:
-    return f"lowers the {_name(tried, against)} by {gain:.1f}"
+def _lowers(gain: float) -> str:
+    return f"lowers the BIC by {gain:.1f}"

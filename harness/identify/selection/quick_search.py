@@ -76,8 +76,7 @@ def first_round(problem: Problem, base: Fit, quick: QuickSearch, ledger: Ledger,
     def title(one: Fit) -> str:
         return " + ".join(one.hypothesis.names)
 
-    each = fitted_each(screened, quick.first, title, ledger.failures)
-    tried = sorted((one for _, one in each), key=ledger.criterion.value)
+    tried = ledger.criterion.ranked(one for _, one in fitted_each(screened, quick.first, title, ledger.failures))
     tried = [fitted(one) for one in tried[:1]] + tried[1:]
     best = ledger.decide_round(Rule.ADD, tried, base) or base
     return min(best, fitted(quick.found), key=ledger.criterion.value)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.identify.estimate.cross_validation import cross_validated
-from harness.identify.estimate.fit import Estimator, Fit, fit
+from harness.identify.estimate.fit import Estimator, Fit, fit, quiet_deviance
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -132,6 +132,7 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
         Estimator(entry.estimator),
         tuple(map(_number, entry.held_out_m)),
         entry.band,
+        quiet_deviance(problem, at),
     )
 
 
@@ -155,7 +156,7 @@ def _decisions(
     rounds = groupby(lines, key=lambda line: (line.rule, line.against, line.evidence.winner))
     for (rule, against, _), group in rounds:
         tried = [(fits[line.fit], _evidence(line, fits, problem, refit)) for line in group]
-        winner = _winner(tried, criterion)
+        winner = _winner(Rule(rule), tried, criterion)
         for candidate, evidence in tried:
             among = any(evidence.winner is one for one, _ in tried)
             full = replace(evidence, winner=winner) if among else evidence
@@ -163,9 +164,10 @@ def _decisions(
     return decisions
 
 
-def _winner(tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
+def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
     """The best fit of a round."""
-    return min((candidate for candidate, _ in tried), key=criterion.value)
+    fits = [candidate for candidate, _ in tried]
+    return criterion.ranked(fits)[0] if rule in (Rule.ADD, Rule.SWAP) else min(fits, key=criterion.value)
 
 
 def _evidence(

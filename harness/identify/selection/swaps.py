@@ -61,7 +61,12 @@ def _at_values_of(problem: Problem, without: Fit, best: Fit) -> Fit:
     (start,) = starting_points(problem, without.hypothesis, best.values(), process_noise)
     at = without.hypothesis.terms(start, problem)
     return replace(
-        without, theta=start, terms=at, process_noise=process_noise, deviance=deviance(problem, at, process_noise)
+        without,
+        theta=start,
+        terms=at,
+        process_noise=process_noise,
+        deviance=deviance(problem, at, process_noise),
+        quiet_deviance=math.inf,
     )
 
 

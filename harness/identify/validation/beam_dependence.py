@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from analytic.motion import BeamMotion, FloatArray
-from harness.identify.filter.ekf import SPIKE
+from harness.identify.filter.arguments import SPIKE
 
 LAGS = np.linspace(0.0, 1.0, 11)
 """Lags of the inputs before each innovation [s]: as fine as the beam moves, as long as a motion takes."""

@@ -23,7 +23,6 @@ def rivals(account: Account) -> Section | None:
     context = {
         "tables": [table for table in tables if table.rows],
         "near": f"{account.diagnosis.problem.settings.rival:g}",
-        "overdispersion": fixed(account.diagnosis.problem.settings.overdispersion, 2),
     }
     return Section("rivals", "Rivals", "Rivals", "diagnosis/rivals.html", context)
 
@@ -58,9 +57,8 @@ def _of_spline(account: Account) -> list[Table]:
 
 
 def _table(account: Account, caption: str, others: list[Line]) -> Table:
-    """How far the others are behind by the criterion: the BIC beside a spline term, else the quasi-BIC."""
+    """How far the others are behind by the criterion."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
-    name = "quasi-BIC" if found.hypothesis.spline is None else "BIC"
 
     def behind(one: Line) -> float:
         return criterion.gain(found, one.fit)
@@ -70,7 +68,7 @@ def _table(account: Account, caption: str, others: list[Line]) -> Table:
         told = "yes" if behind(one) >= criterion.settings.rival else "no"
         rows.append((f"`{one.title}`", str(len(one.fit.theta)), fixed(behind(one), 1), told))
     parameters = Column("parameters", hint="fitted parameters")
-    return Table(caption, [*texts("instead"), parameters, f"{name} above what was found", *texts("told apart")], rows)
+    return Table(caption, [*texts("instead"), parameters, "BIC above what was found", *texts("told apart")], rows)
 
 
 def ledger(account: Account) -> Section:

@@ -72,7 +72,7 @@ def _nearest(account: Account) -> str:
         return "nothing else was fitted in the same place"
     behind, nearest = min((criterion.gain(found, one.fit), one.title) for one in others)
     told = "told apart" if behind >= criterion.settings.rival else "not told apart"
-    return f"the nearest is {words(nearest)}, {number(behind)} behind in {'BIC' if spline else 'quasi-BIC'}: {told}"
+    return f"the nearest is {words(nearest)}, {number(behind)} behind in BIC: {told}"
 
 
 def _independence(account: Account) -> str:

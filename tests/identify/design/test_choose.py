@@ -43,8 +43,8 @@ def pairs(radius: Short, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     return {
         "radius": radius,
         "curvature": short(folder("curvature"), {"track_curvature": {"curvature": 0.01, "centre": 0.3}}, LEVEL),
-        "rolling": short(folder("rolling"), {ROLLING: {"coefficient": 0.001}}, "viscous_damping", 4.0),
-        "damping": short(folder("damping"), {"viscous_damping": {"coefficient": 0.01}}, "quadratic_drag"),
+        "rolling": short(folder("rolling"), {ROLLING: {"coefficient": 0.0003}}, "viscous_damping", 4.0),
+        "damping": short(folder("damping"), {"viscous_damping": {"coefficient": 0.008}}, "quadratic_drag"),
     }
 
 
@@ -70,7 +70,7 @@ def test_the_independent_rig_confirms_the_expected_separation(name: str, pairs: 
         alone = replace(rig.problem, recordings=(rig.recorded(run, seed),))
         again = partial(fit, alone)
         found, rival = (again(each.hypothesis, process_noise=each.process_noise) for each in (rig.found, rig.rival))
-        reached.append(math.sqrt(max(before + rival.deviance - found.deviance, 0.0)) / DEFAULT.inflation)
+        reached.append(math.sqrt(max(before + rival.deviance - found.deviance, 0.0)))
     assert abs(float(np.mean(reached)) - one.expected) < 1.0, reached
 
 
@@ -81,7 +81,7 @@ def test_recordings_diagnosed_together_bring_at_least_that(radius: Short, propos
     found, rival = (
         fit(joint, each.hypothesis, process_noise=each.process_noise) for each in (radius.found, radius.rival)
     )
-    assert math.sqrt(rival.deviance - found.deviance) / DEFAULT.inflation > proposal.smallest.expected - 1.0
+    assert math.sqrt(rival.deviance - found.deviance) > proposal.smallest.expected - 1.0
 
 
 def test_profiles_keep_the_limits(radius: Short) -> None:
@@ -152,7 +152,7 @@ def test_what_goes_unseen_is_shown(tmp_path: Path) -> None:
     new = replace(rig, experiment=lagging)
     alone = replace(rig.problem, recordings=(new.recorded(new.played(proposed), SEEDS[0]),))
     without, with_it = fit(alone, Hypothesis(())), fit(alone, Hypothesis(("position_lag",)))
-    reached = math.sqrt(without.deviance - with_it.deviance) / DEFAULT.inflation
+    reached = math.sqrt(without.deviance - with_it.deviance)
     assert reached == pytest.approx(lag.expected, abs=1.0)  # as above
     assert reached > lag.needed
 

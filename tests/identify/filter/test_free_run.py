@@ -11,7 +11,7 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import SplineMotion
 from analytic.rig import Rig
-from harness.identify.filter.ekf import BeamTable
+from harness.identify.filter.arguments import BeamTable
 from harness.identify.filter.free_run import free_runs, start_derivatives
 
 TIME = np.linspace(0.0, 10.0, 501)

@@ -8,7 +8,6 @@ import numpy as np
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis, Terms
-from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import Regressor, blank
 
 READINGS = 1000
@@ -20,7 +19,6 @@ def made(score: float, *names: str, spline: bool = False, parameters: int | None
     spline = blank(Regressor.POSITION, False, 0.0, 1.0) if spline else None
     count = len(names) if parameters is None else parameters
     hypothesis = Hypothesis(names, spline)
-    overdispersion = 1.0 if spline else DEFAULT.overdispersion
-    deviance = (score - PRICE * count) * overdispersion
+    deviance = score - PRICE * count
     terms = Terms((), (), np.zeros(0), spline)
     return Fit(hypothesis, np.zeros(count), terms, 1e-8, deviance, np.zeros((count, count)), READINGS)

@@ -60,11 +60,12 @@ def test_where_little_can_be_explained_one_round_is_enough(dirty: Problem) -> No
     assert best.deviance == pytest.approx(deviance(dirty, best.terms, best.process_noise), rel=1e-9)
 
 
-def test_coarse_recordings_keep_their_readings(dirty: Problem) -> None:
-    """Take a reading a cell of 40 ms, as it was read, in a fourth of the steps."""
+def test_coarse_recordings_keep_their_readings_and_their_errors(dirty: Problem) -> None:
+    """Take a reading a cell of 40 ms, as it was read, with the covariance that the angle's error has then."""
     coarse, whole = dirty.coarse.recordings[0], dirty.recordings[0]
     kept = np.searchsorted(whole.time, coarse.time)
     np.testing.assert_array_equal(coarse.reading, whole.reading[kept])
+    np.testing.assert_array_equal(coarse.error.covariance, whole.error.covariance[kept])
     assert np.min(np.diff(coarse.time)) > 0.03  # stamps every 10 ms: four, or three at the edge of a cell
     assert dirty.coarse.steps < 0.3 * dirty.steps
 

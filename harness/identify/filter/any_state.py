@@ -1,0 +1,205 @@
+"""The filter for any state, extended by the internal state of slip or Dahl friction and by a lagging position."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from analytic.compiled import njit
+from analytic.effects.sensor_law import lies, measured
+from analytic.motion import FloatArray
+from analytic.slots import DAHL, TRACTION
+from analytic.step import advance
+from harness.identify.filter.arguments import (
+    NUDGE,
+    VELOCITY_VARIANCE,
+    BeamTable,
+    FilterOutput,
+    Readings,
+    Sensor,
+    angle_nudge,
+    lagging,
+    root_of,
+    shifted,
+    velocity_nudge,
+    weighted,
+)
+from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
+from harness.signals.error_process import ErrorProcess
+
+_ERROR = 4  # index of e in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë)
+_SOURCES = 5  # of noise in a step: two numbers of process noise, three of the error's
+
+
+@njit(cache=True, nogil=True)
+def any_state(
+    readings: Readings,
+    beam: BeamTable,
+    p: FloatArray,
+    sensor: Sensor,
+    process_noise: float,
+    error: ErrorProcess,
+    points: bool,
+    out: FilterOutput,
+) -> None:
+    """Fill `out`; the other arguments are those of `extended_kalman_filter`.
+
+    The covariance is L Lᵀ with L lower triangular, its first row the (lagging) position that is read: a reading
+    multiplies the first column of L by √(R'/S') and leaves the others unchanged.
+
+    The derivatives by ė and ë follow from that by e: over a step Δt, an error e + ė u + ½ ë u² adds to the velocity
+    what e + ė Δt/2 + ë Δt²/6 does, to the position what e + ė Δt/3 + ë Δt²/12 does.
+    """
+    time, position = readings.time, readings.position
+    lag, reading_variance = sensor.lag, sensor.reading_variance
+    slips = p[TRACTION] != 0.0
+    ball = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # in the order of L
+    few, size = len(ball), len(ball) + 3
+    states = np.append(ball, np.arange(_ERROR, _ERROR + 3))
+    sensed = states[0]
+    x, moved, nudged = np.zeros(7), np.zeros(7), np.zeros(7)
+    F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES))
+    ahead, behind, dry = np.zeros(7), np.zeros(7), points and not slips and has_dry_friction(p)
+    row_of_v = 2 if lag > 0.0 else 1
+    local = np.empty((3, beam.table.shape[1]))
+    begun = False
+    for k in range(len(time)):
+        if begun:
+            dt = time[k] - time[k - 1]
+            moved[:] = x
+            _over(moved, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+            for j in range(few + 1):
+                index = states[j]
+                if index == _ERROR:
+                    nudge = angle_nudge(_square(L, j))
+                elif index == 1 or (index == 2 and slips):
+                    nudge = velocity_nudge(x[index], _square(L, j))
+                else:
+                    nudge = NUDGE[index]
+                nudged[:] = x
+                nudged[index] += nudge
+                _over(nudged, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+                for i in range(few):
+                    F[i, j] = (nudged[states[i]] - moved[states[i]]) / nudge
+            M[:, size:] = 0.0
+            for i in range(few):
+                of_position = states[i] == 0 or states[i] == 3
+                F[i, few + 1] = F[i, few] * dt / (3.0 if of_position else 2.0)
+                F[i, few + 2] = F[i, few] * dt * dt / (12.0 if of_position else 6.0)
+                # A force on a sliding ball changes its slip as much as its velocity.
+                driven = states[i] == 1 or (states[i] == 2 and slips and moved[2] != 0.0)
+                root = math.sqrt(process_noise * dt)
+                M[i, size] = root * (dt / math.sqrt(3.0) if states[i] == 0 else math.sqrt(0.75) * driven)
+                M[i, size + 1] = 0.5 * root * driven
+            for i in range(3):
+                moved[_ERROR + i] = 0.0
+                for j in range(3):
+                    F[few + i, few + j] = error.transition[k - 1, i, j]
+                    M[few + i, size + 2 + j] = error.root[k - 1, i, j]
+                    moved[_ERROR + i] += F[few + i, few + j] * x[_ERROR + j]
+            _product(F, L, M)
+            if dry and not math.isnan(position[k]) and may_stop(x[1], moved[1], _square(L, row_of_v)):
+                nudged[:] = moved  # the mean, increased by second differences
+                for j in range(size):
+                    ahead[:] = x
+                    behind[:] = x
+                    for i in range(size):
+                        ahead[states[i]] += REACH * L[i, j]
+                        behind[states[i]] -= REACH * L[i, j]
+                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+                    for i in range(few):
+                        bend = ahead[states[i]] + behind[states[i]] - 2.0 * moved[states[i]]
+                        M[i, j] = FIRST * (ahead[states[i]] - behind[states[i]])
+                        M[i, size + _SOURCES + j] = SECOND * bend
+                        nudged[states[i]] += SHIFT * bend
+                moved[:] = nudged
+            x[:] = moved
+            _triangular(M, L)
+        if not math.isnan(position[k]):
+            if begun:
+                expected, slope = measured(x[sensed], sensor.gain, sensor.square, sensor.cube)
+                e, S = position[k] - expected, slope * slope * L[0, 0] ** 2 + reading_variance
+                out.innovation[k], out.innovation_variance[k] = e, S
+                S_weighted, R_weighted = weighted(e, S, reading_variance)
+                correction, shrink = slope * L[0, 0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
+                for i in range(size):
+                    x[states[i]] += L[i, 0] * correction
+                    L[i, 0] *= shrink
+            else:
+                x[0] = x[3] = lies(position[k], sensor.gain, sensor.square, sensor.cube)
+                _, slope = measured(x[0], sensor.gain, sensor.square, sensor.cube)
+                for i in range(few):
+                    if states[i] == 1:
+                        L[i, i] = math.sqrt(VELOCITY_VARIANCE)
+                    elif states[i] != 2:
+                        L[i, 0] = math.sqrt(reading_variance) / slope
+                root_of(error.covariance[k], L, few)
+                begun = True
+        for i in range(4):
+            out.state[k, i] = x[i]
+        out.position_variance[k] = L[0, 0] ** 2
+
+
+@njit(cache=True, inline="always")
+def _over(x: FloatArray, first: int, last: int, beam: BeamTable, p: FloatArray, lag: float, local: FloatArray) -> None:
+    """Integrate the state x, shape (7,), over the steps from `first` to `last`, in place; all but its error.
+
+    `local`, shape (3, 3 or 4), is workspace.
+    """
+    s, v, w, y = x[0], x[1], x[2], x[3]
+    since = 0.0
+    for j in range(first, last):
+        before, h = s, beam.steps[j]
+        shifted(beam, j, since, x[4], x[5], x[6], local)
+        since += h
+        s, v, w = advance(s, v, w, h, local, 0, p)
+        if lag > 0.0:
+            y = lagging(y, before, s, h, lag)
+    x[0], x[1], x[2], x[3] = s, v, w, y
+
+
+@njit(cache=True, inline="always")
+def _square(L: FloatArray, i: int) -> float:
+    """(L Lᵀ)_ii."""
+    total = 0.0
+    for j in range(i + 1):
+        total += L[i, j] ** 2
+    return total
+
+
+@njit(cache=True)
+def _product(F: FloatArray, L: FloatArray, M: FloatArray) -> None:
+    """F L, shape (m, m), into the first columns of M."""
+    size = len(L)
+    for i in range(size):
+        for j in range(size):
+            M[i, j] = 0.0
+            for c in range(j, size):
+                M[i, j] += F[i, c] * L[c, j]
+
+
+@njit(cache=True)
+def _triangular(M: FloatArray, L: FloatArray) -> None:
+    """Replace L, shape (m, m), by the triangular root of M Mᵀ, by modified Gram–Schmidt on the rows of M.
+
+    Args:
+        M: shape (m, n), n >= m: F L with the Jacobian F of the step, roots of noise and of second differences;
+            overwritten.
+    """
+    size, wide = M.shape
+    for i in range(size):
+        for j in range(i):
+            L[i, j] = 0.0
+            for c in range(wide):
+                L[i, j] += M[i, c] * M[j, c]
+            for c in range(wide):
+                M[i, c] -= L[i, j] * M[j, c]
+        square = 0.0
+        for c in range(wide):
+            square += M[i, c] ** 2
+        L[i, i] = math.sqrt(square)
+        inverse = 1.0 / L[i, i] if square > 0.0 else 0.0
+        for c in range(wide):
+            M[i, c] *= inverse

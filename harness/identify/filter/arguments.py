@@ -1,0 +1,138 @@
+"""What the filter takes and returns, and what its two forms share."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.compiled import njit
+from analytic.motion import FloatArray
+
+SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted
+VELOCITY_VARIANCE = 1e-2  # of the first state, at rest with standard deviation 0.1 m/s [m²/s²]
+# Smallest steps of the Jacobian's finite differences, in units of state: s, ṡ, slip or Dahl friction, lagging s, e.
+NUDGE = np.array([1e-6, 1e-5, 1e-5, 1e-6, 1e-6])
+_PIVOT = 1e-12  # smallest pivot of the error's covariance, over its variances: no less than what rounding leaves
+
+
+class Readings(NamedTuple):
+    """Stamps, strictly increasing [s], and position readings, NaN where missing [m]; shape (n,) each."""
+
+    time: FloatArray
+    position: FloatArray
+
+
+class BeamTable(NamedTuple):
+    """Integration grid and the beam motion on it (`analytic.kernel.Grid`).
+
+    Attributes:
+        steps: step sizes, shape (m,) [s].
+        marks: index of the step that begins at each stamp, shape (n,).
+        table: α, α̇, α̈ at the start, middle and end of every step, and a friction of time; shape (2 m + 1, 3 or 4).
+    """
+
+    steps: FloatArray
+    marks: NDArray[np.int64]
+    table: FloatArray
+
+
+class Sensor(NamedTuple):
+    """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²], curve [1/m, 1/m²].
+
+    It measures h(s) = gain (s + square s² + cube s³).
+    """
+
+    gain: float
+    lag: float
+    reading_variance: float
+    square: float = 0.0
+    cube: float = 0.0
+
+
+class FilterOutput(NamedTuple):
+    """Output of the filter at n stamps.
+
+    Attributes:
+        innovation: reading − prediction, 0 where there is no reading, shape (n,) [m].
+        innovation_variance: S, 1 where there is no reading, shape (n,) [m²].
+        state: filtered s [m], ṡ [m/s], internal state of slip or Dahl friction, lagging position [m], shape (n, 4).
+        position_variance: variance of the (lagging) position before the sensor's gain, shape (n,) [m²].
+    """
+
+    innovation: FloatArray
+    innovation_variance: FloatArray
+    state: FloatArray
+    position_variance: FloatArray
+
+
+@njit(cache=True, inline="always")
+def weighted(e: float, S: float, reading_variance: float) -> tuple[float, float]:
+    """Innovation and reading variance that down-weight an innovation e: S' = S/w and R' = R + S (1/w − 1) [m²]."""
+    inverse_weight = max(1.0, abs(e) / (SPIKE * math.sqrt(S)))
+    return S * inverse_weight, reading_variance + S * (inverse_weight - 1.0)
+
+
+@njit(cache=True, inline="always")
+def velocity_nudge(v: float, variance: float) -> float:
+    """Step of the finite difference in velocity: a standard deviation in the direction of motion [m/s].
+
+    Where dry friction stops the ball, the derivative by velocity vanishes, and so would the variance, although within
+    a standard deviation the ball rolls on. Differences over a standard deviation avoid this (Schei, Automatica 33,
+    1997).
+    """
+    return math.copysign(max(NUDGE[1], math.sqrt(variance)), v)
+
+
+@njit(cache=True, inline="always")
+def angle_nudge(variance: float) -> float:
+    """Step of the finite difference in the angle's error: a standard deviation, for the same reason [rad]."""
+    return max(NUDGE[4], math.sqrt(variance))
+
+
+@njit(cache=True, inline="always")
+def lagging(y: float, before: float, s: float, h: float, lag: float) -> float:
+    """Output of a lagging sensor after `h` [s], T ẏ + y = s, exact where the position goes linearly to s [m].
+
+    Args:
+        y, before: output and position at the beginning [m].
+        lag: T [s].
+    """
+    slope = (s - before) / h
+    follow = before - slope * lag
+    return follow + slope * h + (y - follow) * math.exp(-h / lag)
+
+
+@njit(cache=True, inline="always")
+def shifted(beam: BeamTable, step: int, since: float, e: float, rate: float, angular: float, out: FloatArray) -> None:
+    """The rows of the beam's table for one step, α increased by its error, into `out`, shape (3, 3 or 4).
+
+    Only the angle itself is shifted. What ë adds to ℓ α̈ displaces the ball by K ℓ e, a few micrometres.
+
+    Args:
+        step: index of the step.
+        since: time from the stamp, at which the error is e [rad], ė [rad/s], ë [rad/s²], to the step's begin [s].
+    """
+    half = 0.5 * beam.steps[step]
+    for i in range(3):
+        u = since + half * i
+        for c in range(out.shape[1]):
+            out[i, c] = beam.table[2 * step + i, c]
+        out[i, 0] += e + u * (rate + 0.5 * u * angular)
+
+
+@njit(cache=True)
+def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
+    """Cholesky factor of a 3 × 3 covariance whose entries span decades, into L from row and column `first` on."""
+    for i in range(3):
+        for j in range(i + 1):
+            total = covariance[i, j]
+            for a in range(j):
+                total -= L[first + i, first + a] * L[first + j, first + a]
+            if i == j:
+                L[first + i, first + i] = math.sqrt(max(total, _PIVOT * covariance[i, i]))
+            else:
+                root = L[first + j, first + j]
+                L[first + i, first + j] = total / root if root > 0.0 else 0.0
