@@ -10,7 +10,7 @@ mass or radius has to be adapted to them on the way, and K may leave (0, 1), whi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,6 +48,7 @@ _PROPORTIONAL = [
     IMBALANCE,
     DAHL_STIFFNESS,
 ]  # slots of the kernel's vector that contain K as a factor
+_DRAWS = 24  # of the beam motion
 _ROUNDS = 3  # of parameters and process noise in turn: K and ℓ enter linearly, and a diagnosis fits all of it again
 _MAX_LEVER_STD = 0.02  # largest standard error of an estimated lever that is used [m]
 
@@ -158,5 +159,21 @@ def _key(effect: Effect) -> tuple[str, str]:
 
 
 def _covariance(problem: Problem, found: Fit) -> FloatArray:
-    """Covariance of the fitted parameters in their units, shape (k, k)."""
-    return information_inverse(problem, found.hypothesis, interval_jacobian(problem, found))
+    """Covariance of the fitted parameters in their units, shape (k, k).
+
+    That of the likelihood, whose angle error is small enough for slopes, and the scatter of the estimates over beam
+    motions drawn from the drive: when a resting ball goes is no smooth function of the angle.
+    """
+    residuals = Residuals(problem, found.hypothesis, found.process_noise)
+    slopes, here = interval_jacobian(problem, found), residuals.at(found.theta)
+    paths = [record.drive.draw(_DRAWS, seed) for seed, record in enumerate(problem.recordings)]
+    moved = []
+    for drawn in zip(*paths, strict=True):
+        records = [
+            replace(record, drive=replace(record.drive, states=path.states))
+            for record, path in zip(problem.recordings, drawn, strict=True)
+        ]
+        other = Residuals(replace(problem, recordings=tuple(records)), found.hypothesis, found.process_noise)
+        moved.append(other.at(found.theta) - here)
+    shifts = np.linalg.lstsq(slopes, np.array(moved).T)[0] * found.hypothesis.scale(problem)[:, None]
+    return information_inverse(problem, found.hypothesis, slopes) + shifts @ shifts.T / _DRAWS

@@ -113,9 +113,9 @@ class Settings:
         4, "smallest number of held-out blocks of 3 s that decide", "with fewer, a bootstrap has no meaning"
     )
     poor_errors: float = _setting(
-        3.0,
-        "median error of predictions over 3 s above which held-out errors decide, in deviations of a reading [1]",
-        "below it there is little to gain over seconds, and the likelihood tells more",
+        1.5,
+        "median error of predictions over 3 s above which they are poor, in deviations of a reading [1]",
+        "the model's own error, without that of the readings, is then about as large as theirs: sqrt(1.5^2 - 1) = 1.1",
     )
     held_out_least: float = _setting(
         0.2,

@@ -151,7 +151,7 @@ class Criterion:
         )
 
     def _swap(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best candidate replaces an effect if the criterion is lower with it; by `rival` if it has more parameters.
+        """The best candidate replaces an effect if the criterion is lower, by `rival` if it has more parameters.
 
         A law that fits hardly better does not justify them.
         """
@@ -252,10 +252,18 @@ class Criterion:
         return f"{lowers}, {behind:.0f} less than {other}{short}"
 
     def predicts_poorly(self, problem: Problem, errors: Sequence[float]) -> bool:
-        """Whether the errors of windows, shape (windows,) [m], are far above the deviation of a reading."""
+        """Whether the errors of windows, shape (windows,) [m], are above those that the readings alone cause."""
         return len(errors) > 0 and float(np.median(errors)) > self.settings.poor_errors * math.sqrt(
             problem.reading_variance
         )
+
+    def held_out_errors_decide(self, problem: Problem, fit: Fit, errors: Sequence[float]) -> bool:
+        """Whether something is left to explain and predictions are poor: the likelihood is then that of a wrong model.
+
+        Args:
+            errors: of windows predicted by `fit`, shape (windows,) [m].
+        """
+        return not self.at_noise_floor(problem, fit) and self.predicts_poorly(problem, errors)
 
     def at_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""

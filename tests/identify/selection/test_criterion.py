@@ -400,12 +400,22 @@ def test_rivals_over_seconds_predict_almost_as_well(factor: float, rival: bool) 
     assert not C.rivals(made(-1e9, "viscous_damping"), found)
 
 
-@pytest.mark.parametrize(("error", "poor"), [(2.9, False), (3.1, True)])
-def test_predictions_are_poor_beyond_three_deviations_of_a_reading(error: float, poor: bool) -> None:
-    """Judge mean errors of windows against the deviation of a reading; without any window nothing is poor."""
+@pytest.mark.parametrize(("error", "poor"), [(1.4, False), (1.6, True)])
+def test_predictions_are_poor_where_the_model_errs_more_than_the_readings(error: float, poor: bool) -> None:
+    """Judge median errors of windows against the deviation of a reading; without any window nothing is poor."""
     problem = cast(Problem, SimpleNamespace(reading_variance=1e-6))
     assert C.predicts_poorly(problem, [0.5e-3 * error, 1.5e-3 * error]) is poor
     assert not C.predicts_poorly(problem, [])
+
+
+@pytest.mark.parametrize(("ratio", "error", "asked"), [(2.9, 9.0, False), (3.1, 1.4, False), (3.1, 1.6, True)])
+def test_held_out_errors_decide_where_the_model_is_incomplete_and_predicts_poorly(
+    ratio: float, error: float, asked: bool
+) -> None:
+    """Ask them of no model that explains all but the angle's error, however far that carries the ball, nor a good one."""
+    one = made(100.0)
+    problem = cast(Problem, SimpleNamespace(angle_floor=one.root_process_noise / ratio, reading_variance=1e-6))
+    assert C.held_out_errors_decide(problem, one, [1e-3 * error]) is asked
 
 
 @pytest.mark.parametrize(("behind", "first"), [(5.9, "rolling_resistance"), (6.1, "directional_resistance")])
