@@ -49,6 +49,9 @@ class Effort(Enum):
     BRIEF = "a few steps, to tell what is worth a full fit"
 
 
+# Of the catalogue's, at which dry frictions begin: each ball that stops elsewhere is a local minimum of its own.
+_STRENGTHS = (1.0, 4.0, 16.0)
+_FOLLOWED = 3  # starting points from which a full fit descends: all of one dry friction
 _NARROW = 0.05  # last width of the Jacobian's differences, in scaled parameters
 # Widths of these differences and most steps with each of them.
 _EFFORTS = {Effort.FULL: ((0.3, _NARROW), 12), Effort.NEAR: ((_NARROW,), 8), Effort.BRIEF: ((0.3,), 3)}
@@ -189,7 +192,7 @@ def fit_free_runs(
     begun = [_settled(runs, hypothesis, np.clip(theta, low + INSIDE, high - INSIDE), first) for theta in starts]
     scale = min(_scale(point.residual) for point in begun)
     begun = sorted(begun, key=lambda point: _loss(point.residual, scale))
-    followed = begun[: problem.settings.starts_followed if effort is Effort.FULL else 1]
+    followed = begun[: _FOLLOWED if effort is Effort.FULL else 1]
     widths, steps = _EFFORTS[effort]
     ends = [_descend(runs, hypothesis, point, widths, steps) for point in followed]
     scale = min(_scale(point.residual) for point in ends)
@@ -214,11 +217,17 @@ def fit_free_runs(
 def _starting_points(
     problem: Problem, hypothesis: Hypothesis, initial: Mapping[tuple[str, str], float]
 ) -> list[FloatArray]:
-    """Initial scaled parameters, shape (k,) each: given values, else every combination of the catalogue's."""
+    """Initial scaled parameters, shape (k,) each: given values, else every combination of the catalogue's.
+
+    Dry frictions begin at several strengths.
+    """
     choices = []
-    by_name = {(effect.name, one.name): one for effect in hypothesis.effects for one in effect.parameters}
+    by_name = {(effect.name, one.name): (effect, one) for effect in hypothesis.effects for one in effect.parameters}
     for key in hypothesis.parameters:
-        starts = by_name[key].starts_on(problem.visited, problem.rig)
+        effect, parameter = by_name[key]
+        starts = parameter.starts_on(problem.visited, problem.rig)
+        if effect.dry and parameter.strength:
+            starts = [factor * start for start in starts for factor in _STRENGTHS]
         choices.append([initial[key]] if key in initial else starts)
     own = [initial.get(own_key(name, one.name), 0.0) for name in hypothesis.own for one in problem.recordings]
     tail = [*own, *(hypothesis.spline.nodes if hypothesis.spline else [])]
