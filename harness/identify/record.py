@@ -133,9 +133,10 @@ class EngineBeforeAfterRecord(Part):
 
 
 class EngineRecord(EngineBeforeAfterRecord):
-    """Errors of an engine on the recordings fitted to and on held-out ones."""
+    """Errors of an engine on the recordings fitted to and on held-out ones; `recordings` names those that it ran."""
 
     heldout: EngineBeforeAfterRecord | None = None
+    recordings: tuple[str, ...] = ()
 
 
 class AlsoRecord(BeforeAfterRecord):

@@ -18,7 +18,7 @@ AHEAD = 3.0  # length of the predicted part of a window [s]
 HORIZONS = (1.0, 2.0, 3.0, 5.0)  # lengths of predicted spans [s]
 _FEWEST = 5  # readings that each part of a window needs
 _FEWEST_FITTED = 2  # windows
-_GROUPS = 6  # of blocks that are held out together
+GROUPS = 6  # of blocks, or of recordings, that are held out together
 _STRIDE_FITTED, _STRIDE_PREDICTED = 2.0, 1.0  # of overlapping windows [s]
 _ROUNDING = 1e-6  # [s]: stamps are not exact multiples of the sampling interval
 
@@ -142,7 +142,7 @@ def fitted_windows(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...
     return windows_of(recordings, _STRIDE_FITTED)
 
 
-def blocks_of(recordings: Sequence[PreparedRecording], count: int = _GROUPS) -> tuple[Block, ...]:
+def blocks_of(recordings: Sequence[PreparedRecording], count: int = GROUPS) -> tuple[Block, ...]:
     """Blocks of 3 s, in `count` groups of neighbours that are held out together; empty if there is too little to fit.
 
     Windows to predict begin every second and windows to fit every two, so that short recordings tell what they can.
@@ -184,17 +184,18 @@ class Fold:
 
 
 def folds(problem: Problem) -> list[Fold]:
-    """Folds that hold out each recording in turn; of a single recording, each half of its readings."""
+    """Folds that hold out each recording in turn, or each of six groups of many; of a single one, each half."""
     recordings = problem.recordings
     if len(recordings) > 1:
-        parts = [(tuple(r for r in recordings if r is not left), left) for left in recordings]
+        groups = [recordings[first::GROUPS] for first in range(min(GROUPS, len(recordings)))]
+        parts = [(tuple(r for r in recordings if not any(r is one for one in left)), left) for left in groups]
     else:
         (whole,) = recordings
         known = np.flatnonzero(np.isfinite(whole.reading))
         middle = int(known[len(known) // 2])  # of the known readings: all of them may lie in the first seconds
         first, second = _part(whole, "first half", slice(0, middle)), _part(whole, "second half", slice(middle, None))
-        parts = [((first,), second), ((second,), first)]
-    return [Fold(replace(problem, recordings=rest), (left,)) for rest, left in parts]
+        parts = [((first,), (second,)), ((second,), (first,))]
+    return [Fold(replace(problem, recordings=rest), left) for rest, left in parts]
 
 
 def _part(whole: PreparedRecording, name: str, stamps: slice) -> PreparedRecording:

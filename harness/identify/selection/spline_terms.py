@@ -20,7 +20,7 @@ from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
-from harness.identify.problem.windows import Fold, folds
+from harness.identify.problem.windows import folds
 from harness.identify.selection.candidates import fitted_each, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
@@ -134,7 +134,7 @@ def _law_at_nodes(problem: Problem, effect: Acting, spline: SplineTerm) -> Float
 def held_out_deviances(
     problem: Problem, found: Fit, best: Fit, progress: Progress
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Deviance of each recording by fits to the others, without and with the spline term; empty for a single one."""
+    """Deviance of each recording by fits without its fold, without and with the spline term; empty for a single one."""
     if len(problem.recordings) == 1:
         return (), ()
     before: list[float] = []
@@ -143,16 +143,15 @@ def held_out_deviances(
         progress(f"spline term: {fold.title} held out")
         for full, deviances in ((found, before), (best, after)):
             refit = fit(fold.problem, full.refined, process_noise=full.process_noise, initial=full.values())
-            deviances.append(_held_out_deviance(fold, refit))
+            deviances += [_held_out_deviance(fold.problem, refit, recording) for recording in fold.left]
     return tuple(before), tuple(after)
 
 
-def _held_out_deviance(fold: Fold, fitted: Fit) -> float:
-    """Deviance of the held-out recording, with its own values and process noise fitted to it."""
-    recording: PreparedRecording = fold.left[0]
-    own = own_of(fold.problem, fitted, recording, recording.reading)
+def _held_out_deviance(problem: Problem, fitted: Fit, recording: PreparedRecording) -> float:
+    """Deviance of a held-out recording, with its own values and process noise fitted to it."""
+    own = own_of(problem, fitted, recording, recording.reading)
     densities = fitted.process_noise * _NOISE_RATIOS
-    return min(deviance_of(fold.problem, recording, fitted.terms, density, own=own) for density in densities)
+    return min(deviance_of(problem, recording, fitted.terms, density, own=own) for density in densities)
 
 
 def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failures | None = None) -> list[Fit]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -39,6 +40,7 @@ Squares = list[tuple[str, FloatArray]]
 # Time step of a rolling ball [s]: error 3 µm in 14 s, at most 25 µm where friction stops the ball. For a sliding ball,
 # where MuJoCo converges with first order only, the engines' default step is used.
 _ROLLING_STEP = 2e-3
+_MOST = 6  # recordings that the engines run: two fits to each, held out and not, take PyBullet seconds
 
 
 def engine_errors(
@@ -61,7 +63,7 @@ def engine_errors(
 
     Returns:
         By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
-        failed also "failed", its message.
+        failed also "failed", its message. "recordings" names those that it ran: of many, six from first to last.
     """
     with engines_running(main, held, progress, jobs=jobs, failures=failures) as errors:
         return errors()
@@ -79,12 +81,14 @@ def engines_running(
     """As `engine_errors`, but the engines run while the block does; the function that it is given awaits the errors."""
     loaded = {name: caught(Part.ENGINE, name, partial(engine_of, name)) for name in DEFAULT_ENGINES}
     engines = {name: engine for name, engine in loaded.items() if not isinstance(engine, Failed)}
+    main, *held = [_of_few(split, main.compared) for split in (main, *held)]
+    ran = [recording.name for recording in main.compared]
     runs: dict[Hashable, Callable[[], Squares | Failed]] = {}
     for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
         for split in (main, *held):
             for fit, recording in itertools.product((split.base, split.found), split.compared):
                 runs[_key(engine, fit, recording)] = partial(_squares, split.problem, fit, recording, engine)
-    title = f"{' and '.join(engines)} on {', '.join(recording.name for recording in main.compared)}"
+    title = f"{' and '.join(engines)} on {', '.join(ran)}"
 
     def before_after(
         engine: Engine | Failed, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | Failed]
@@ -112,10 +116,19 @@ def engines_running(
             return {
                 name: before_after(engine, [main], results)
                 | ({"heldout": before_after(engine, held, results)} if held else {})
+                | {"recordings": ran}
                 for name, engine in loaded.items()
             }
 
         yield errors
+
+
+def _of_few(split: HeldOut, recordings: Sequence[PreparedRecording]) -> HeldOut:
+    """`split` with what it compares of `recordings`, evenly taken where they are many."""
+    if len(recordings) <= _MOST:
+        return split
+    few = [recordings[at] for at in np.linspace(0, len(recordings) - 1, _MOST).round().astype(int)]
+    return replace(split, compared=tuple(one for one in split.compared if any(one is other for other in few)))
 
 
 def _key(engine: Engine, fit: Fit, recording: PreparedRecording) -> Hashable:

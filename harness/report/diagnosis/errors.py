@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness.formatting import NONE, brief, fixed, number
-from harness.identify.problem.windows import KNOWN
+from harness.identify.problem.windows import GROUPS, KNOWN
 from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.identify.validation.engine_errors import entries
 from harness.identify.validation.held_out import BeforeAfter, Errors
@@ -26,7 +26,6 @@ Engines = Mapping[str, Mapping[str, Any]]
 def section(account: Account) -> Section:
     """The section."""
     diagnosis = account.diagnosis
-    several = len(diagnosis.problem.recordings) > 1
     held = {name: one["heldout"] for name, one in diagnosis.engines.items() if "heldout" in one}
     tables = [
         _table(account, "Held out", diagnosis.heldout, held),
@@ -35,9 +34,8 @@ def section(account: Account) -> Section:
     for name, one in diagnosis.also.items():
         tables.append(_table(account, f"Also {name}, not used for fitting", one.errors, one.engines))
     context = {
-        "split": "each recording in turn, with parameters fitted to the others"
-        if several
-        else "each half of the recording, with parameters fitted to the other",
+        "split": _split(len(diagnosis.problem.recordings)),
+        "ran": _ran(account),
         "known": brief(KNOWN),
         "changed": account.changed,
         "picture": _picture(account),
@@ -48,6 +46,22 @@ def section(account: Account) -> Section:
         "significant": brief(SIGNIFICANT),
     }
     return Section("errors", "Errors before and after", "Errors", "diagnosis/errors.html", context)
+
+
+def _split(recordings: int) -> str:
+    """How recordings were held out."""
+    if recordings == 1:
+        return "each half of the recording, with parameters fitted to the other"
+    what = "each recording" if recordings <= GROUPS else f"each of {GROUPS} groups of recordings"
+    return f"{what} in turn, with parameters fitted to the others"
+
+
+def _ran(account: Account) -> str:
+    """The recordings that the engines ran, if those were not all."""
+    names = [tuple(one.get("recordings", ())) for one in account.diagnosis.engines.values()]
+    all_of_them = len(account.diagnosis.problem.recordings)
+    ran = next((each for each in names if 0 < len(each) < all_of_them), ())
+    return f"{', '.join(ran)}, {len(ran)} of {all_of_them} recordings" if ran else ""
 
 
 def _whens(account: Account) -> tuple[str, ...]:

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from harness.identify.problem.problem import PreparedRecording
-from harness.identify.problem.windows import AHEAD, KNOWN, blocks_of, fitted_windows
+from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.windows import AHEAD, KNOWN, blocks_of, fitted_windows, folds
 from tests.posed import pose
 
 
 @pytest.fixture(scope="module")
-def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[PreparedRecording, ...]:
+def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """Two recordings of 16 s."""
     folder: Path = tmp_path_factory.mktemp("blocks")
-    return pose(folder / "case", 0).problem.recordings
+    return pose(folder / "case", 0).problem
+
+
+@pytest.fixture(scope="module")
+def recordings(problem: Problem) -> tuple[PreparedRecording, ...]:
+    """Both of them."""
+    return problem.recordings
 
 
 def test_no_fit_sees_a_reading_that_it_has_to_predict(recordings: tuple[PreparedRecording, ...]) -> None:
@@ -45,3 +52,16 @@ def test_a_short_recording_has_no_blocks(recordings: tuple[PreparedRecording, ..
     short = PreparedRecording(one.name, one.time[:750], one.reading[:750], one.drive)  # 7.5 s: two windows to fit
     assert len(fitted_windows((short,))) == 2
     assert blocks_of((short,)) == ()
+
+
+@pytest.mark.parametrize(("count", "of_a_fold"), [(2, {1}), (6, {1}), (8, {1, 2}), (25, {4, 5})])
+def test_every_recording_is_held_out_once_in_few_folds(problem: Problem, count: int, of_a_fold: set[int]) -> None:
+    """Hold out one at a time of few recordings, and groups of many, each predicted by a fit to all others."""
+    many = tuple(replace(problem.recordings[0], name=f"{number}") for number in range(count))
+    made = folds(replace(problem, recordings=many))
+    assert len(made) == min(count, 6)
+    assert {len(fold.left) for fold in made} == of_a_fold
+    assert sorted(int(one.name) for fold in made for one in fold.left) == list(range(count))
+    for fold in made:
+        assert {one.name for one in (*fold.left, *fold.problem.recordings)} == {one.name for one in many}
+        assert len(fold.left) + len(fold.problem.recordings) == count

@@ -412,7 +412,7 @@ def test_predictions_are_poor_where_the_model_errs_more_than_the_readings(error:
 def test_held_out_errors_decide_where_the_model_is_incomplete_and_predicts_poorly(
     ratio: float, error: float, asked: bool
 ) -> None:
-    """Ask them of no model that explains all but the angle's error, however far that carries the ball, nor a good one."""
+    """Ask them neither of a model that explains all but the error of the angle nor of one that predicts well."""
     one = made(100.0)
     problem = cast(Problem, SimpleNamespace(angle_floor=one.root_process_noise / ratio, reading_variance=1e-6))
     assert C.held_out_errors_decide(problem, one, [1e-3 * error]) is asked

@@ -115,3 +115,14 @@ def test_an_engine_that_fails_says_so(short: Problem, base: Fit) -> None:
         assert run["after"]["rms_m"] == {}
         assert "failed at t" in run["after"]["failed"]
         assert run["before"]["rms_m"]
+
+
+def test_of_many_recordings_the_engines_run_six(short: Problem, base: Fit) -> None:
+    """Run the first, the last and what lies evenly between, held out in the same recordings, and name them."""
+    many = tuple(replace(short.recordings[0], name=f"{number}") for number in range(11))
+    whole = HeldOut(replace(short, recordings=many), base, base, many)
+    held = [replace(whole, compared=many[first::6]) for first in range(6)]
+    for run in engine_errors(whole, held).values():
+        assert run["recordings"] == ["0", "2", "4", "6", "8", "10"]
+        # The recordings are the same one under many names, so any mean over them is that of one.
+        assert run["heldout"]["before"]["rms_m"] == pytest.approx(run["before"]["rms_m"])
