@@ -18,6 +18,7 @@ import numpy as np
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
+from harness.identify.problem.windows import AHEAD
 from harness.metrics.bootstrap import Margin, mean_reduction
 
 
@@ -252,18 +253,8 @@ class Criterion:
         return f"{lowers}, {behind:.0f} less than {other}{short}"
 
     def predicts_poorly(self, problem: Problem, errors: Sequence[float]) -> bool:
-        """Whether the errors of windows, shape (windows,) [m], are above those that the readings alone cause."""
-        return len(errors) > 0 and float(np.median(errors)) > self.settings.poor_errors * math.sqrt(
-            problem.reading_variance
-        )
-
-    def held_out_errors_decide(self, problem: Problem, fit: Fit, errors: Sequence[float]) -> bool:
-        """Whether something is left to explain and predictions are poor: the likelihood is then that of a wrong model.
-
-        Args:
-            errors: of windows predicted by `fit`, shape (windows,) [m].
-        """
-        return not self.at_noise_floor(problem, fit) and self.predicts_poorly(problem, errors)
+        """Whether the errors of windows, shape (windows,) [m], are above those that a complete model would make."""
+        return len(errors) > 0 and float(np.median(errors)) > self.settings.poor_errors * _complete_error(problem)
 
     def at_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
@@ -292,6 +283,18 @@ class Criterion:
     def detection_limit(self, readings: int, parameters: int) -> float:
         """Size over standard error from which an effect of so many parameters is kept [σ]."""
         return math.sqrt(self.settings.keep + math.log(readings) * parameters)
+
+
+def _complete_error(problem: Problem) -> float:
+    """RMS error of windows predicted by a model that lacks nothing: readings, and the angle's error as white noise [m].
+
+    White noise of density q on ṡ gives the position a variance of q t³/3 after t. Before, it leaves the velocity one
+    of √2 q^¾ R^¼, with a reading variance times interval R (steady Kalman filter).
+    """
+    interval = float(np.mean([np.median(np.diff(one.time)) for one in problem.recordings]))
+    density = problem.angle_floor**2
+    velocity = math.sqrt(2.0) * density**0.75 * (problem.reading_variance * interval) ** 0.25
+    return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
 
 
 def _held_out_errors(tried: Fit, against: Fit) -> str:

@@ -43,7 +43,7 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
     base = fit(problem, Hypothesis(problem.unknown))
     found = _by_likelihood(problem, base, ledger, progress)
     windows = windows_of(problem.recordings)
-    if ledger.criterion.held_out_errors_decide(problem, found, window_errors(problem, found, windows)):
+    if ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors", lambda: search_by_held_out_errors(problem, *chosen, ledger, progress), chosen

@@ -56,7 +56,7 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
 
     monkeypatch.setattr(search, "with_spline_term", fail)
     monkeypatch.setattr(search, "search_by_held_out_errors", fail)
-    monkeypatch.setattr(search.Criterion, "held_out_errors_decide", lambda *_: True)
+    monkeypatch.setattr(search.Criterion, "predicts_poorly", lambda *_: True)
     monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
     monkeypatch.setattr(search, "stepwise", lambda problem, base, ledger, progress: base)
     failures = Failures()
