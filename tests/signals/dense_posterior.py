@@ -8,7 +8,8 @@ from mpmath import matrix, mp, mpf
 from analytic.motion import FloatArray
 from harness.signals.spline_smoother import _DIFFUSE
 
-_KICK = [[mpf(1) / 20, mpf(1) / 8, mpf(1) / 6], [mpf(1) / 8, mpf(1) / 3, mpf(1) / 2], [mpf(1) / 6, mpf(1) / 2, mpf(1)]]
+# Covariance of value and derivatives that white noise of density 1 on the third gives in a step of 1.
+KICK = [[mpf(1) / 20, mpf(1) / 8, mpf(1) / 6], [mpf(1) / 8, mpf(1) / 3, mpf(1) / 2], [mpf(1) / 6, mpf(1) / 2, mpf(1)]]
 
 
 def posterior_covariance(time: FloatArray, variance: FloatArray, density: FloatArray) -> FloatArray:
@@ -32,7 +33,7 @@ def posterior_covariance(time: FloatArray, variance: FloatArray, density: FloatA
         Q = matrix(3, 3)
         for i in range(3):
             for j in range(3):
-                Q[i, j] = mpf(density[k]) * h ** (5 - i - j) * _KICK[i][j]
+                Q[i, j] = mpf(density[k]) * h ** (5 - i - j) * KICK[i][j]
         # the disturbance x₊ − F x as a function of both states
         D = matrix([[-1, -h, -h * h / 2, 1, 0, 0], [0, -1, -h, 0, 1, 0], [0, 0, -1, 0, 0, 1]])
         share = D.T * Q**-1 * D

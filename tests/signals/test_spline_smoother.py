@@ -7,6 +7,7 @@ from mpmath import mp, mpf
 from analytic.motion import FloatArray
 from harness.signals import draw, smooth
 from harness.signals.spline_smoother import _DIFFUSE, kalman_smoother
+from tests.signals.dense_posterior import KICK
 
 
 def record(n: int = 14) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -28,14 +29,13 @@ def dense(
     def advance(h: mpf) -> mp_matrix:
         return mp_matrix([[1, h, h * h / 2], [0, 1, h], [0, 0, 1]])
 
-    kick = [[mpf(1) / 20, mpf(1) / 8, mpf(1) / 6], [mpf(1) / 8, mpf(1) / 3, mpf(1) / 2], [mpf(1) / 6, mpf(1) / 2, 1]]
     blocks = [mp.diag([mpf(v) for v in _DIFFUSE])]
     for k in range(n - 1):
         h = mpf(time[k + 1]) - mpf(time[k])
         Q = mp_matrix(3, 3)
         for i in range(3):
             for j in range(3):
-                Q[i, j] = mpf(density[k]) * h ** (5 - i - j) * kick[i][j]
+                Q[i, j] = mpf(density[k]) * h ** (5 - i - j) * KICK[i][j]
         blocks.append(advance(h) * blocks[k] * advance(h).T + Q)
     prior = mp_matrix(3 * n, 3 * n)
     for i in range(n):

@@ -15,6 +15,7 @@ from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray
 from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
+from harness.numerics import evenly_chosen
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
@@ -176,9 +177,8 @@ class Problem:
         """The same with coarse recordings, of at most a minute altogether but two of them, for a quick search."""
         recordings = self.recordings
         mean = float(np.mean([one.time[-1] - one.time[0] for one in recordings]))
-        count = min(max(int(_QUICK_LENGTH / mean), 2), len(recordings))
-        chosen = np.linspace(0, len(recordings) - 1, count).round().astype(int)
-        return replace(self, recordings=tuple(recordings[i].coarse for i in chosen))
+        chosen = evenly_chosen(recordings, max(int(_QUICK_LENGTH / mean), 2))
+        return replace(self, recordings=tuple(one.coarse for one in chosen))
 
     @cached_property
     def visited(self) -> FloatArray:

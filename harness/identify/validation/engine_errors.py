@@ -31,6 +31,7 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.problem.windows import horizon_spans
 from harness.identify.validation.held_out import HeldOut
+from harness.numerics import evenly_chosen
 from harness.parallel import meanwhile
 from harness.progress import Progress, silent
 
@@ -127,7 +128,7 @@ def _of_few(split: HeldOut, recordings: Sequence[PreparedRecording]) -> HeldOut:
     """`split` with what it compares of `recordings`, evenly taken where they are many."""
     if len(recordings) <= _MOST:
         return split
-    few = [recordings[at] for at in np.linspace(0, len(recordings) - 1, _MOST).round().astype(int)]
+    few = evenly_chosen(recordings, _MOST)
     return replace(split, compared=tuple(one for one in split.compared if any(one is other for other in few)))
 
 
