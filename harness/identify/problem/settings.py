@@ -104,10 +104,10 @@ class Settings:
         "share of the best predicted decrease that a spline term needs to be fitted [1]",
         "it is nearly linear in its nodes, so that it reaches the predicted decrease",
     )
-    quick_search_from: int = _setting(
+    given_up_from: int = _setting(
         5000,
-        "number of integration steps of a run from which a quick search comes first [1]",
-        "50 s at 100 Hz: shorter recordings are searched within seconds in any case",
+        "number of integration steps of a run from which the stepwise search may be given up for coarse data [1]",
+        "50 s at 100 Hz: of shorter recordings coarse data are few, and the whole search takes less than a minute",
     )
     min_blocks: int = _setting(
         4, "smallest number of held-out blocks of 3 s that decide", "with fewer, a bootstrap has no meaning"

@@ -9,10 +9,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import TypeVar
 
+import numpy as np
+
 from analytic.effects import CATALOGUE
 from harness.failures import Failures, Part, attempt
-from harness.identify.estimate.fit import Fit, fit, unrefined
+from harness.identify.estimate.fit import Fit, fit, quiet_deviance, unrefined
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
+from harness.identify.estimate.starts import starting_points
+from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
@@ -21,6 +25,8 @@ from harness.progress import Progress
 _S = TypeVar("_S")
 _T = TypeVar("_T")
 
+_FEWER = 0.5  # share of the integration steps up to which coarse data are worth a search of their own
+_FITTED, _NEAR_BEST = 4, 0.3  # candidates fitted to all readings: those that gain nearly as much as the best
 _STEPS = (COARSE_STEP, 1.0, -1.0)  # of the Jacobian's differences where much is left to explain
 
 
@@ -71,11 +77,76 @@ def fit_candidates(
 ) -> list[Fit]:
     """Fits of `base` with each candidate added, best first; only promising screening fits are optimised further.
 
+    Where `base` leaves the process noise far above its floor, what is missing is seen in a part of the readings: coarse
+    data tell which few candidates are fitted to all of them.
+
     Args:
         excluding: an effect that is not tried.
         replacing: whether candidates replace that effect; they then have to explain most of what it did.
         failures: collects candidates that raise, which are then left out; `None` lets them raise.
     """
+    fitted = _fit_from_coarse if is_seen_in_coarse(problem, base) else _fit_candidates
+    return fitted(problem, base, progress, excluding, replacing, failures)
+
+
+def is_seen_in_coarse(problem: Problem, base: Fit) -> bool:
+    """Whether coarse data, where they are fewer, tell what `base` lacks."""
+    far = Criterion(problem.settings).far_above_noise_floor(problem, base)
+    return far and problem.coarse.steps < _FEWER * problem.steps
+
+
+def _fit_from_coarse(
+    problem: Problem, base: Fit, progress: Progress, excluding: str, replacing: bool, failures: Failures | None
+) -> list[Fit]:
+    """As `fit_candidates`: fitted to coarse data, the best of these to all readings."""
+    coarse, criterion = problem.coarse, Criterion(problem.settings)
+    begin = replace(
+        base,
+        deviance=deviance(coarse, base.terms, base.process_noise),
+        quiet_deviance=math.inf,
+        readings=coarse.readings,
+    )
+    ranked = _fit_candidates(coarse, begin, progress, excluding, replacing, failures)
+    least = criterion.gain(ranked[0], begin) * (1.0 - _NEAR_BEST) if ranked else 0.0
+    near = {id(one) for one in ranked[:_FITTED] if not one.abandoned and criterion.gain(one, begin) >= least}
+
+    def finish(one: Fit) -> Fit:
+        if id(one) not in near:
+            return _evaluated(problem, one)
+        progress(f"fit: {' + '.join(one.hypothesis.names)}")
+        return fit(problem, one.refined, process_noise=one.process_noise, initial=one.values())
+
+    def title(one: Fit) -> str:
+        return " + ".join(one.hypothesis.names)
+
+    return criterion.ranked(one for _, one in fitted_each(finish, ranked, title, failures))
+
+
+def _evaluated(problem: Problem, coarse: Fit) -> Fit:
+    """A fit to coarse data at the same values on all readings, not continued.
+
+    Its standard errors are those of the coarse data; what recordings have of their own has none.
+    """
+    theta = starting_points(problem, coarse.hypothesis, coarse.values(), coarse.process_noise)[0]
+    terms, shared = coarse.hypothesis.terms(theta, problem), len(coarse.hypothesis.parameters)
+    covariance = np.zeros((len(theta), len(theta)))
+    covariance[:shared, :shared] = coarse.covariance[:shared, :shared]
+    return replace(
+        coarse,
+        theta=theta,
+        terms=terms,
+        deviance=deviance(problem, terms, coarse.process_noise),
+        covariance=covariance,
+        readings=problem.readings,
+        abandoned=True,
+        quiet_deviance=quiet_deviance(problem, terms),
+    )
+
+
+def _fit_candidates(
+    problem: Problem, base: Fit, progress: Progress, excluding: str, replacing: bool, failures: Failures | None
+) -> list[Fit]:
+    """As `fit_candidates`, on the readings of `problem`."""
     settings, criterion = problem.settings, Criterion(problem.settings)
     at_floor = criterion.at_noise_floor(problem, base)
 

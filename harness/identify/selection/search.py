@@ -13,9 +13,9 @@ from harness.identify.problem.windows import windows_of
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
-from harness.identify.selection.quick_search import first_round, unexplained
+from harness.identify.selection.quick_search import on_all_readings, without_stepwise
 from harness.identify.selection.spline_terms import with_spline_term
-from harness.identify.selection.stepwise import stepwise
+from harness.identify.selection.stepwise import Round, first_round, stepwise
 from harness.progress import Progress, silent
 
 
@@ -52,11 +52,18 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
 
 
 def _by_likelihood(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
-    """The fit that stepwise selection and spline terms lead to; after one round if they cannot explain the readings."""
-    quick = ledger.attempt("quick search", lambda: unexplained(problem, base, progress), None)
-    if quick is not None:
-        return ledger.attempt("first round", lambda: first_round(problem, base, quick, ledger, progress), base)
-    effects = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, ledger, progress), base)
-    if ledger.criterion.at_noise_floor(problem, effects):
+    """The fit that stepwise selection and spline terms lead to; of the former one round if it can explain little."""
+    criterion = ledger.criterion
+    begun = ledger.attempt("first round", lambda: first_round(problem, base, ledger, progress), Round())
+    first, quick = begun.kept or base, None
+    if not criterion.at_noise_floor(problem, first):
+        quick = ledger.attempt("quick search", lambda: without_stepwise(problem, base, first, progress), None)
+    if quick is None:
+        effects = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, begun, ledger, progress), first)
+    else:
+        effects = ledger.attempt("quick search", lambda: on_all_readings(problem, quick, first, progress), first)
+        if not quick.spline:
+            return effects
+    if criterion.at_noise_floor(problem, effects):
         return effects
     return ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from operator import itemgetter
 
 from harness.identify.estimate.fit import Fit
@@ -13,7 +14,21 @@ from harness.identify.selection.swaps import swap_steps
 from harness.progress import Progress
 
 
-def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
+@dataclass(frozen=True)
+class Round:
+    """Fits with each candidate, best first, and the one that was kept."""
+
+    tried: tuple[Fit, ...] = ()
+    kept: Fit | None = None
+
+
+def first_round(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Round:
+    """Each candidate alone."""
+    tried = fit_candidates(problem, base, progress, failures=ledger.failures)
+    return Round(tuple(tried), ledger.decide_round(Rule.ADD, tried, base))
+
+
+def stepwise(problem: Problem, base: Fit, first: Round, ledger: Ledger, progress: Progress) -> Fit:
     """The fit with the effects that the recordings require.
 
     The first effect added may imitate two others. If much is left unexplained, the search restarts from the runner-up
@@ -21,15 +36,15 @@ def stepwise(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) ->
 
     Args:
         base: the fit of the stand-ins for unknown rig quantities alone.
+        first: the first round.
         ledger: records every decision.
     """
     settings, criterion = problem.settings, ledger.criterion
-    first = fit_candidates(problem, base, progress, failures=ledger.failures)
-    best = _grow(problem, base, ledger.decide_round(Rule.ADD, first, base), ledger, progress)
-    if not first or criterion.at_noise_floor(problem, best):
+    best = _grow(problem, base, first.kept, ledger, progress)
+    if not first.tried or criterion.at_noise_floor(problem, best):
         return best
-    least = max(settings.keep, settings.restart_share * criterion.gain(first[0], base))
-    runners_up = [fit for fit in first[1 : 1 + settings.restarts_from] if criterion.gain(fit, base) > least]
+    least = max(settings.keep, settings.restart_share * criterion.gain(first.tried[0], base))
+    runners_up = [fit for fit in first.tried[1 : 1 + settings.restarts_from] if criterion.gain(fit, base) > least]
     screened = [(best_screened(problem, fit, progress, ledger.failures), fit) for fit in runners_up]
     lowest, runner_up = min(screened, key=itemgetter(0), default=(0.0, None))
     if runner_up is None or lowest >= criterion.value(best) + settings.restart_slack:

@@ -58,7 +58,8 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
     monkeypatch.setattr(search, "search_by_held_out_errors", fail)
     monkeypatch.setattr(search.Criterion, "predicts_poorly", lambda *_: True)
     monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
-    monkeypatch.setattr(search, "stepwise", lambda problem, base, ledger, progress: base)
+    monkeypatch.setattr(search, "without_stepwise", lambda *_: None)
+    monkeypatch.setattr(search, "stepwise", lambda problem, base, *_: base)
     failures = Failures()
     selection = search.search(plain.problem, failures=failures)
     assert selection.found is selection.base

@@ -12,7 +12,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import best_screened, candidates, fit_candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Ledger
-from harness.identify.selection.stepwise import stepwise
+from harness.identify.selection.stepwise import first_round, stepwise
 from tests.posed import Posed, pose
 
 DAMPED = {"viscous_damping": {"coefficient": 0.03}}
@@ -64,7 +64,7 @@ def test_what_acts_is_found_and_nothing_else(damped: tuple[Problem, Fit, list[Fi
     """Add the damping, then nothing; the ledger tells of two rounds in which every candidate was tried."""
     problem, base, _ = damped
     ledger = Ledger(Criterion())
-    found = stepwise(problem, base, ledger, quiet)
+    found = stepwise(problem, base, first_round(problem, base, ledger, quiet), ledger, quiet)
     assert selected_effects(problem, found) == ("viscous_damping",)
     added = [line for line in ledger.lines if line.rule is Rule.ADD]
     assert [line.effects for line in added if line.kept] == [("viscous_damping",)]
@@ -76,7 +76,7 @@ def test_nothing_is_found_where_nothing_is_missing(plain: Posed) -> None:
     """End with the fit that it began with, and a reason for each candidate."""
     base = fit(plain.problem, Hypothesis(()))
     ledger = Ledger(Criterion())
-    assert stepwise(plain.problem, base, ledger, quiet) is base
+    assert stepwise(plain.problem, base, first_round(plain.problem, base, ledger, quiet), ledger, quiet) is base
     assert not any(line.kept for line in ledger.lines)
     assert all(line.because for line in ledger.lines)
 
@@ -90,5 +90,6 @@ def test_no_more_effects_are_found_than_the_settings_allow(tmp_path: Path) -> No
     hidden = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
     problem = replace(pose(tmp_path / "case", 0, hidden).problem, settings=Settings(max_effects=1, restarts_from=0))
     ledger = Ledger(Criterion(problem.settings))
-    found = stepwise(problem, fit(problem, Hypothesis(())), ledger, quiet)
+    base = fit(problem, Hypothesis(()))
+    found = stepwise(problem, base, first_round(problem, base, ledger, quiet), ledger, quiet)
     assert len(selected_effects(problem, found)) == 1
