@@ -14,7 +14,7 @@ IMBALANCE, PHASE, ORIGIN, ROLL = 23, 24, 25, 26  # [m/s²], φ₀ [rad], s where
 TRACTION, TURN = 27, 28  # μ R/r [1], 0 for a ball that cannot slip; r [m]
 DAHL, DAHL_STIFFNESS = 29, 30  # c [1], k σ/m [1/s²]
 SHAPE, SHAPE_LOW, SHAPE_STEP, SHAPE_COUNT, SHAPE_NODES = range(31, 36)  # a spline term: `analytic.law.spline_term`
-MOST_NODES = 24
+MOST_NODES = 96
 SLOTS = SHAPE_NODES + MOST_NODES
 # Each force law of a user's own effect has a block behind the slots, so that runs without any cost nothing more: what
 # it depends on, first node, distance of nodes, then the nodes, with two more beyond either end for slopes.

@@ -147,6 +147,7 @@ UNLISTED_SCALES: Mapping[str, Scale] = {
     "fading_resistance": Scale(middle={"coefficient": 0.006}, fixed={"time_constant": (4.0, 6.0)}),
     "rough_patch": Scale(middle={"coefficient": 0.01}, fixed={"start": (0.28, 0.31), "end": (0.33, 0.36)}),
     "force_hill": Scale(middle={"force": 0.01}, fixed={"start": (0.27, 0.30), "end": (0.34, 0.37)}, signed=True),
+    "ripple_force": Scale(middle={"force": 0.01}, fixed={"wavelength": (0.03, 0.1)}, signed=True),
     "magnet": Scale(middle={"force": 0.01}, fixed={"centre": _AMID, "distance": (0.04, 0.06)}, signed=True),
     "cubic_spring": Scale(middle={"stiffness": 10.0}, fixed={"centre": _AMID}),
     "cubic_drag": Scale(middle={"coefficient": 0.8}),

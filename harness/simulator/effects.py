@@ -76,6 +76,7 @@ UNLISTED: Mapping[str, Entry] = {
         {"force": _FORCE, "start": _PLACE, "end": _PLACE},
         ("position",),
     ),
+    "ripple_force": Entry("F sin(2π s/λ)", {"force": _FORCE, "wavelength": Limits("m", 1e-3, 10.0)}, ("position",)),
     "magnet": Entry(
         "pull of a dipole beside the track at s_c, distance d, at most F; F < 0 repels",
         {"force": _FORCE, "centre": _PLACE, "distance": _LENGTH},

@@ -33,6 +33,8 @@ class Laws(NamedTuple):
     force_hill_force: float = 0.0
     force_hill_start: float = 0.0
     force_hill_end: float = 1.0
+    ripple_force_force: float = 0.0
+    ripple_force_wavelength: float = 1.0
     magnet_force: float = 0.0
     magnet_centre: float = 0.0
     magnet_distance: float = 1.0
@@ -84,6 +86,8 @@ def force_along(s: float, v: float, angle: float, time: float, law: Laws) -> flo
     if law.force_hill_force != 0.0 and law.force_hill_start < s < law.force_hill_end:
         width = law.force_hill_end - law.force_hill_start
         push += law.force_hill_force * math.sin(math.pi * (s - law.force_hill_start) / width) ** 2
+    if law.ripple_force_force != 0.0:
+        push += law.ripple_force_force * math.sin(2.0 * math.pi * s / law.ripple_force_wavelength)
     if law.magnet_force != 0.0:
         # a small magnet beside the track pulls with x/(x² + d²)^(5/2); 25 √5/16 makes 1 of it at its strongest, x = d/2
         x = (law.magnet_centre - s) / law.magnet_distance

@@ -45,6 +45,7 @@ EACH_UNLISTED: dict[str, dict[str, float]] = {
     "fading_resistance": {"coefficient": 0.006, "time_constant": 5.0},
     "rough_patch": {"coefficient": 0.01, "start": 0.30, "end": 0.34},
     "force_hill": {"force": 0.01, "start": 0.30, "end": 0.36},
+    "ripple_force": {"force": 0.01, "wavelength": 0.05},
     "magnet": {"force": 0.01, "centre": 0.33, "distance": 0.05},
     "cubic_spring": {"stiffness": 10.0, "centre": 0.32},
     "cubic_drag": {"coefficient": 0.8},

@@ -90,7 +90,7 @@ def test_ball_at_rest_stays_at_rest(name: str) -> None:
     start = places.get(name, 0.2)  # 6 w from the bump, which is 1e-8 of it
     effects = {name: ALL[name]}
     # Their pull is zero nowhere, only within what resistance holds.
-    if name in ("track_bump", "ball_imbalance", "out_of_round"):
+    if name in ("track_bump", "ball_imbalance", "out_of_round", "ripple_force"):
         effects["rolling_resistance"] = {"coefficient": 0.01}
     run = rolled(effects, State(start, 0.0), 1.0, turned_before=0.3)
     assert np.all(run.position == start)

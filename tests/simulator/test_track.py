@@ -91,6 +91,15 @@ def test_force_hill_gives_the_energy_under_it() -> None:
     assert np.all(np.diff(run.velocity)[outside[1:] & outside[:-1]] == pytest.approx(0.0, abs=1e-15))
 
 
+def test_ripple_force_gives_and_takes_the_same_energy() -> None:
+    """Give F λ/π to a ball within half a wavelength, and take it again within the next half."""
+    run = rolled({"ripple_force": {"force": 0.01, "wavelength": 0.06}}, State(0.24, 0.3), 0.4)
+    half, whole = (int(np.argmin(abs(run.position - place))) for place in (0.27, 0.30))
+    # the nearest of steps of 0.03 mm: the force there is 0.01 sin(0.003)/2 at most where it changes sign
+    gained = run.velocity[[half, whole]] ** 2 - 0.09
+    np.testing.assert_allclose(gained, [2 * 0.01 * 0.06 / np.pi / MOVED, 0.0], atol=1e-5)
+
+
 def test_magnet_pulls_towards_its_place() -> None:
     """Pull towards the magnet from both sides, at most with F and that half its distance away."""
     for side in (-1.0, 1.0):

@@ -96,7 +96,7 @@ class Settings:
     )
     spline_nodes: int = _setting(
         12,
-        "initial number of nodes of a spline term, at most 24; doubled if that pays and they are at most 24",
+        "initial number of nodes of a spline term; doubled while that pays, up to 96",
         "resolves a bump of a tenth of the range",
     )
     spline_share: float = _setting(

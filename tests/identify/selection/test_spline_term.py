@@ -109,12 +109,12 @@ def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
 
 @pytest.mark.parametrize(
     ("depends", "count", "refined"),
-    [(Regressor.POSITION, 12, 23), (Regressor.POSITION, 13, None), (Regressor.ROLL_ANGLE, 12, 24)],
+    [(Regressor.POSITION, 45, 89), (Regressor.POSITION, 49, None), (Regressor.ROLL_ANGLE, 48, 96)],
 )
 def test_a_spline_term_is_refined_while_the_kernel_has_room(
     depends: Regressor, count: int, refined: int | None
 ) -> None:
-    """Halve the distance of the nodes, one fewer between them unless they lie on a circle, up to 24 nodes."""
+    """Halve the distance of the nodes, one fewer between them unless they lie on a circle, up to 96 nodes."""
     spline = blank(depends, False, 0.0, 1.0, count)
     assert spline.refinable is (refined is not None)
     if refined is not None:
