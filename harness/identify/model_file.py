@@ -11,10 +11,10 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.problem import Colour, PreparedRecording, Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import ModelRecord, RigRecord, SensorsRecord
-from harness.identify.selection.ledger_record import declared_record
+from harness.identify.selection.ledger_record import colour_record, declared_record
 from harness.recording import Sensors
 
 
@@ -34,6 +34,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         estimator=found.estimator.value,
         band=found.band,
         reading_variance_m2=problem.reading_variance,
+        colour=colour_record(problem),
     )
 
 
@@ -60,7 +61,8 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
         )
     try:
         declared = tuple(acting(one.name, one.values) for one in kept.declared)
-        problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2)
+        colour = Colour(kept.colour.share, kept.colour.time_s)
+        problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2, colour=colour)
         hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else SplineTerm.of(kept.spline_term))
         theta = np.array(kept.parameters, dtype=float)
         covariance = np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta))

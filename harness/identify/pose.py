@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
+from harness.identify.estimate.noise_colour import with_noise_colour
 from harness.identify.problem.problem import Problem
 from harness.identify.rig_completion import complete_rig, missing
 from harness.preparation.declared_effects import declared_effects
@@ -30,7 +31,7 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
     declared = declared_effects(case)
     rig = complete_rig(case, case.recordings[names[0]]).rig
     every = [observe(case.recordings[name], case.sensors, rig) for name in names]
-    return Problem.of(every, rig, declared, unknown_effects(case.rig))
+    return with_noise_colour(Problem.of(every, rig, declared, unknown_effects(case.rig)))
 
 
 def unknown_effects(known: KnownRig) -> tuple[str, ...]:

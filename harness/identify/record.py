@@ -289,6 +289,13 @@ class ActingRecord(Part):
     values: dict[str, Finite]
 
 
+class ColourRecord(Part):
+    """What of the reading noise is coloured: share of its variance [1], correlation time [s]."""
+
+    share: float = Field(0.0, ge=0.0, le=1.0)
+    time_s: float = Field(1.0, gt=0.0, allow_inf_nan=False)
+
+
 class ProblemRecord(Part):
     """The inputs of every fit and decision."""
 
@@ -296,6 +303,7 @@ class ProblemRecord(Part):
     recordings: tuple[str, ...]
     readings: int
     reading_variance_m2: Finite
+    colour: ColourRecord = ColourRecord()
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]
@@ -318,6 +326,7 @@ class ModelRecord(Part):
     estimator: EstimatorName = "likelihood"
     band: Finite = 1.0
     reading_variance_m2: Finite
+    colour: ColourRecord = ColourRecord()
 
 
 class LedgerRecord(Part):

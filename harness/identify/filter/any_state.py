@@ -1,10 +1,11 @@
-"""The filter for any state, extended by the internal state of slip or Dahl friction and by a lagging position."""
+"""The filter for any state: extended by slip or Dahl friction, a lagging position and coloured noise of the sensor."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.effects.sensor_law import lies, measured
@@ -28,8 +29,9 @@ from harness.identify.filter.arguments import (
 from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
 from harness.signals.error_process import ErrorProcess
 
-_ERROR = 4  # index of e in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë)
-_SOURCES = 5  # of noise in a step: two numbers of process noise, three of the error's
+# Indices of e and of the coloured noise c in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, c).
+_ERROR, _COLOUR = 4, 7
+_SOURCES = 6  # of noise in a step: two numbers of process noise, three of the error's, one of the coloured noise
 
 
 @njit(cache=True, nogil=True)
@@ -46,7 +48,9 @@ def any_state(
     """Fill `out`; the other arguments are those of `extended_kalman_filter`.
 
     The covariance is L Lᵀ with L lower triangular, its first row the (lagging) position that is read: a reading
-    multiplies the first column of L by √(R'/S') and leaves the others unchanged.
+    multiplies the first column of L by √(R'/S') and leaves the others unchanged. With coloured noise, which is in the
+    last row, a reading is h L x + noise with two entries in h, and L (I − β f fᵀ) with f = Lᵀ hᵀ and
+    β = 1/(S' + √(R' S')) replaces L (Potter), made triangular again.
 
     The derivatives by ė and ë follow from that by e: over a step Δt, an error e + ė u + ½ ë u² adds to the velocity
     what e + ė Δt/2 + ë Δt²/6 does, to the position what e + ė Δt/3 + ë Δt²/12 does.
@@ -55,12 +59,13 @@ def any_state(
     lag, reading_variance = sensor.lag, sensor.reading_variance
     slips = p[TRACTION] != 0.0
     ball = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # in the order of L
-    few, size = len(ball), len(ball) + 3
-    states = np.append(ball, np.arange(_ERROR, _ERROR + 3))
-    sensed = states[0]
-    x, moved, nudged = np.zeros(7), np.zeros(7), np.zeros(7)
+    coloured = sensor.colour > 0.0
+    few, size = len(ball), len(ball) + (4 if coloured else 3)
+    states = np.append(ball, np.arange(_ERROR, _ERROR + (4 if coloured else 3)))
+    sensed, last = states[0], size - 1
+    x, moved, nudged, f = np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(size)
     F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES))
-    ahead, behind, dry = np.zeros(7), np.zeros(7), points and not slips and has_dry_friction(p)
+    ahead, behind, dry = np.zeros(8), np.zeros(8), points and not slips and has_dry_friction(p)
     row_of_v = 2 if lag > 0.0 else 1
     local = np.empty((3, beam.table.shape[1]))
     begun = False
@@ -98,6 +103,10 @@ def any_state(
                     F[few + i, few + j] = error.transition[k - 1, i, j]
                     M[few + i, size + 2 + j] = error.root[k - 1, i, j]
                     moved[_ERROR + i] += F[few + i, few + j] * x[_ERROR + j]
+            if coloured:
+                kept = math.exp(-dt / sensor.colour_time)
+                F[last, last], moved[_COLOUR] = kept, kept * x[_COLOUR]
+                M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
             if dry and not math.isnan(position[k]) and may_stop(x[1], moved[1], _square(L, row_of_v)):
                 nudged[:] = moved  # the mean, increased by second differences
@@ -120,13 +129,19 @@ def any_state(
         if not math.isnan(position[k]):
             if begun:
                 expected, slope = measured(x[sensed], sensor.gain, sensor.square, sensor.cube)
-                e, S = position[k] - expected, slope * slope * L[0, 0] ** 2 + reading_variance
+                e, S = position[k] - expected - x[_COLOUR], reading_variance
+                for j in range(size if coloured else 1):
+                    f[j] = slope * L[0, j] + (L[last, j] if coloured else 0.0)
+                    S += f[j] * f[j]
                 out.innovation[k], out.innovation_variance[k] = e, S
                 S_weighted, R_weighted = weighted(e, S, reading_variance)
-                correction, shrink = slope * L[0, 0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
-                for i in range(size):
-                    x[states[i]] += L[i, 0] * correction
-                    L[i, 0] *= shrink
+                if coloured:
+                    _read(x, states, L, M, f, e, S_weighted, R_weighted)
+                else:
+                    correction, shrink = f[0] / S_weighted * e, math.sqrt(R_weighted / S_weighted)
+                    for i in range(size):
+                        x[states[i]] += L[i, 0] * correction
+                        L[i, 0] *= shrink
             else:
                 x[0] = x[3] = lies(position[k], sensor.gain, sensor.square, sensor.cube)
                 _, slope = measured(x[0], sensor.gain, sensor.square, sensor.cube)
@@ -134,7 +149,10 @@ def any_state(
                     if states[i] == 1:
                         L[i, i] = math.sqrt(VELOCITY_VARIANCE)
                     elif states[i] != 2:
-                        L[i, 0] = math.sqrt(reading_variance) / slope
+                        L[i, 0] = math.sqrt(reading_variance + sensor.colour) / slope
+                if coloured:  # what the first reading says of the ball is wrong by both kinds of noise
+                    L[last, 0] = -sensor.colour / math.sqrt(reading_variance + sensor.colour)
+                    L[last, last] = math.sqrt(sensor.colour * reading_variance / (reading_variance + sensor.colour))
                 root_of(error.covariance[k], L, few)
                 begun = True
         for i in range(4):
@@ -144,7 +162,7 @@ def any_state(
 
 @njit(cache=True, inline="always")
 def _over(x: FloatArray, first: int, last: int, beam: BeamTable, p: FloatArray, lag: float, local: FloatArray) -> None:
-    """Integrate the state x, shape (7,), over the steps from `first` to `last`, in place; all but its error.
+    """Integrate the state x, shape (8,), over the steps from `first` to `last`, in place; all but the errors.
 
     `local`, shape (3, 3 or 4), is workspace.
     """
@@ -167,6 +185,37 @@ def _square(L: FloatArray, i: int) -> float:
     for j in range(i + 1):
         total += L[i, j] ** 2
     return total
+
+
+@njit(cache=True)
+def _read(
+    x: FloatArray,
+    states: NDArray[np.int64],
+    L: FloatArray,
+    M: FloatArray,
+    f: FloatArray,
+    e: float,
+    S: float,
+    R: float,
+) -> None:
+    """Correct the state, shape (8,), and L by an innovation e of variance S, with the reading variance R, in place.
+
+    Args:
+        states: indices of the rows of L in x, shape (m,).
+        M: workspace, shape (m, n).
+        f: Lᵀ hᵀ with the gradient h of the reading by the state, shape (m,).
+    """
+    size = len(L)
+    shrink = 1.0 / (S + math.sqrt(R * S))
+    M[:] = 0.0
+    for i in range(size):
+        gain = 0.0
+        for j in range(i + 1):
+            gain += L[i, j] * f[j]
+        x[states[i]] += gain / S * e
+        for j in range(size):
+            M[i, j] = (L[i, j] if j <= i else 0.0) - shrink * gain * f[j]
+    _triangular(M, L)
 
 
 @njit(cache=True)

@@ -42,7 +42,8 @@ class BeamTable(NamedTuple):
 class Sensor(NamedTuple):
     """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²], curve [1/m, 1/m²].
 
-    It measures h(s) = gain (s + square s² + cube s³).
+    It measures h(s) = gain (s + square s² + cube s³) with white noise of variance R and coloured noise, a first-order
+    Gauss–Markov process of variance `colour` [m²] and correlation time `colour_time` [s].
     """
 
     gain: float
@@ -50,6 +51,8 @@ class Sensor(NamedTuple):
     reading_variance: float
     square: float = 0.0
     cube: float = 0.0
+    colour: float = 0.0
+    colour_time: float = 1.0
 
 
 class FilterOutput(NamedTuple):

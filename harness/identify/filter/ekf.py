@@ -1,10 +1,10 @@
 """Innovations of a model with effects: an extended Kalman filter on the ball and the angle's error, compiled.
 
 The state is (s, ṡ) and the error (e, ė, ë) of the beam's angle, a Gauss–Markov process that follows from how the angle
-was smoothed (`harness.signals.error_process`); it is extended by the internal state of slip or Dahl friction and by the
-output of a lagging sensor. White process noise on ṡ represents what the model leaves unexplained. Innovations of a
-complete model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); those beyond four standard deviations are
-down-weighted (Masreliez and Martin, IEEE TAC 22, 1977).
+was smoothed (`harness.signals.error_process`); it is extended by the internal state of slip or Dahl friction, by the
+output of a lagging sensor and by the coloured part of its noise. White process noise on ṡ represents what the model
+leaves unexplained. Innovations of a complete model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); those
+beyond four standard deviations are down-weighted (Masreliez and Martin, IEEE TAC 22, 1977).
 
 An innovation e with innovation variance S = H P Hᵀ + R and |e| > 4 √S has the weight w = 4 √S/|e|: the correction of
 the state and the reduction of the covariance, P − w P Hᵀ H P/S, are w times the usual ones. This is the usual update
@@ -49,7 +49,7 @@ def extended_kalman_filter(
     """
     n = len(readings.time)
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
-    if p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0:
+    if p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0:
         usual_state(readings, beam, p, sensor, process_noise, error, points, out)
     else:
         any_state(readings, beam, p, sensor, process_noise, error, points, out)

@@ -104,7 +104,16 @@ def run_parts(
     """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
     law = problem.sensor(added.effects)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
-    sensor = Sensor(law.gain, law.lag, problem.reading_variance, law.square, law.cube)
+    noise = problem.colour
+    sensor = Sensor(
+        law.gain,
+        law.lag,
+        problem.reading_variance * (1.0 - noise.share),
+        law.square,
+        law.cube,
+        problem.reading_variance * noise.share,
+        noise.time,
+    )
     error = recording.error_with((*problem.declared, *added.effects))
     runs = []
     for use, reading in parts:

@@ -133,6 +133,22 @@ class PreparedRecording:
 
 
 @dataclass(frozen=True)
+class Colour:
+    """What of the reading noise is coloured: a first-order Gauss–Markov process, e^(−|Δt|/τ) correlated.
+
+    Attributes:
+        share: of the variance of a reading; 0 for white noise [1].
+        time: correlation time τ [s].
+    """
+
+    share: float = 0.0
+    time: float = 1.0
+
+
+WHITE = Colour()
+
+
+@dataclass(frozen=True)
 class Problem:
     """Recordings of one rig, with what is known of it.
 
@@ -144,6 +160,7 @@ class Problem:
         model: the baseline model to which effects are added.
         unknown: stand-ins for unknown rig quantities; in every hypothesis, never reported as found.
         settings: of the identification.
+        colour: of the reading noise.
     """
 
     recordings: tuple[PreparedRecording, ...]
@@ -153,6 +170,7 @@ class Problem:
     model: Model = CAM
     unknown: tuple[str, ...] = ()
     settings: Settings = DEFAULT
+    colour: Colour = WHITE
 
     @classmethod
     def of(

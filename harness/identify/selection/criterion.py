@@ -289,11 +289,14 @@ def _complete_error(problem: Problem) -> float:
     """RMS error of windows predicted by a model that lacks nothing: readings, and the angle's error as white noise [m].
 
     White noise of density q on ṡ gives the position a variance of q t³/3 after t. Before, it leaves the velocity one
-    of √2 q^¾ R^¼, with a reading variance times interval R (steady Kalman filter).
+    of √2 q^¾ R^¼, with a reading variance times interval R (steady Kalman filter); coloured noise of variance c² and
+    correlation time τ counts as white noise of its density at low frequencies, 2 c² τ.
     """
     interval = float(np.mean([np.median(np.diff(one.time)) for one in problem.recordings]))
     density = problem.angle_floor**2
-    velocity = math.sqrt(2.0) * density**0.75 * (problem.reading_variance * interval) ** 0.25
+    share = problem.colour.share
+    reading = problem.reading_variance * ((1.0 - share) * interval + share * max(2.0 * problem.colour.time, interval))
+    velocity = math.sqrt(2.0) * density**0.75 * reading**0.25
     return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
 
 

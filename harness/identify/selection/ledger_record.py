@@ -16,6 +16,7 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.record import (
     ActingRecord,
+    ColourRecord,
     EvidenceRecord,
     FitRecord,
     FittedEffect,
@@ -48,6 +49,11 @@ def declared_record(problem: Problem) -> tuple[ActingRecord, ...]:
     return tuple(ActingRecord(name=term.effect.name, values=dict(term.values)) for term in problem.declared)
 
 
+def colour_record(problem: Problem) -> ColourRecord:
+    """The colour of the reading noise."""
+    return ColourRecord(share=problem.colour.share, time_s=problem.colour.time)
+
+
 def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
     """The inputs of every fit and decision; `inputs` are hashes of files and versions of the software."""
     record = ProblemRecord(
@@ -55,6 +61,7 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
         recordings=tuple(recording.name for recording in problem.recordings),
         readings=problem.readings,
         reading_variance_m2=problem.reading_variance,
+        colour=colour_record(problem),
         baseline=problem.model.name,
         rig=RigRecord.model_validate(problem.rig),
         declared=declared_record(problem),
