@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.api.effects import Given, beside_catalogue
+from harness.api.writing import settle
 from harness.errors import InputError
 from harness.formatting import number
 from harness.identify.record import (
@@ -187,7 +188,8 @@ def load_diagnosis(path: str | Path, *, effects: Sequence[Given] = ()) -> Loaded
     """
     path = Path(path)
     file = path / FILE if path.is_dir() else path
-    record = read_record(path)
+    settle(file.parent)
+    record = read_record(file)
     with beside_catalogue(effects):
         _check_effects(record, file)
     return LoadedDiagnosis(record, file, effects)

@@ -1,9 +1,13 @@
-"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 a part failed."""
+"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 a part failed.
+
+Interrupted (SIGINT) a command ends with 130, terminated (SIGTERM) with 143; both clean up.
+"""
 
 import math
 import os
 import re
 import shlex
+import signal
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -12,19 +16,27 @@ from typing import Any
 import click
 
 from analytic.motion import State
+from harness.cli.termination import Terminated, terminable
 from harness.errors import HarnessError
 
 
 class Friendly(click.Group):
-    """A group that turns a `HarnessError` into a message and its exit code."""
+    """A group that turns a `HarnessError`, an interrupt or a termination into a message and its exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; a `HarnessError` ends it with one message."""
         try:
-            return super().invoke(ctx)
+            with terminable():
+                return super().invoke(ctx)
         except HarnessError as error:
             click.echo(f"error: {error}", err=True)
             sys.exit(error.exit_code)
+        except KeyboardInterrupt:
+            click.echo("error: interrupted", err=True)
+            sys.exit(128 + signal.SIGINT)
+        except Terminated:
+            click.echo("error: terminated", err=True)
+            sys.exit(128 + signal.SIGTERM)
 
 
 class RunCommand(click.Command):
@@ -80,6 +92,9 @@ class AngleType(click.ParamType):
 
 _PATH = click.Path(path_type=Path)
 _out_option = click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
+_force_option = click.option(
+    "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
+)
 _effects_option = click.option(
     "--effects",
     multiple=True,
@@ -171,6 +186,7 @@ def main() -> None:
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -202,6 +218,7 @@ def run(case: Path | None, **options: Any) -> None:
     "repeatable.",
 )
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.
@@ -273,31 +290,26 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
 @click.argument("recording", type=_PATH)
 @click.option("--out", type=_PATH, help="CSV to write [default: <recording>_predicted.csv beside it].")
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
-def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, **options: Any) -> None:
+def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
     second or so; the initial state is estimated from the others. Writes time_s, ball_position_m and the 95 % interval
-    low_m, high_m.
+    low_m, high_m, and beside the CSV its hash in a hidden file, by which it is known when it is to be replaced.
 
     \b
     Examples:
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
     """
-    from harness.api.outputs import all_or_nothing, to_json, write_csv
-    from harness.api.saved import load_diagnosis
-    from harness.recording import load_recording
+    from harness.cli.predict import predict_recording
 
-    kept = load_diagnosis(diagnosis, **options)
-    read = load_recording(recording, sensors=kept.sensors)
-    table = kept.predict(read)
-    target = out or recording.with_name(f"{recording.stem}_predicted.csv")
-    with all_or_nothing(target.parent) as scratch:
-        write_csv(table, scratch / target.name)
-    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
-    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")
+    text, warning = predict_recording(diagnosis, recording, **options)
+    if warning:
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(text)
 
 
 @main.command()
@@ -336,6 +348,7 @@ def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, *
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections."
 )
+@click.option("--force", is_flag=True, help="Write into a folder that is not empty, and replace files there.")
 def simulate(out: Path, **options: Any) -> None:
     """Simulate a case with a known truth on the paper's rig: rigid bodies in contact, none of the models under test.
 

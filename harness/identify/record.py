@@ -19,10 +19,13 @@ from analytic.rig import Rig
 from analytic.slots import MOST_NODES
 from harness.errors import InputError
 from harness.failures import described
+from harness.provenance import SEAL, seal_of
 
 SCHEMA = 3
 """Version of the format."""
 FILE = "diagnosis.json"
+EXPERIMENT = "next_experiment.csv"
+"""The proposed beam motion, beside it."""
 SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
@@ -443,6 +446,8 @@ class DiagnosisRecord(Part):
     next_experiment: NextExperimentRecord | None
     failures: tuple[FailureRecord, ...] = ()
     wall_time_s: Finite
+    files: dict[str, str] = Field(default={}, description="SHA-256 of the files written with it.")
+    sealed: str = Field(default="", description="SHA-256 of the canonical JSON of all the rest.")
 
     @model_validator(mode="after")
     def _of_the_same_recordings(self) -> DiagnosisRecord:
@@ -452,9 +457,23 @@ class DiagnosisRecord(Part):
             )
         return self
 
+    @property
+    def seal(self) -> str:
+        """What `sealed` has to be."""
+        return seal_of(json.loads(self.model_dump_json(by_alias=True)))
+
+    @property
+    def intact(self) -> bool:
+        """Whether its content is what was sealed."""
+        return self.sealed == self.seal
+
+    def with_seal(self) -> DiagnosisRecord:
+        """The same, sealed."""
+        return self.model_copy(update={SEAL: self.seal})
+
     def text(self) -> str:
-        """Content of the file."""
-        return self.model_dump_json(by_alias=True, indent=2)
+        """Content of the file, sealed."""
+        return self.with_seal().model_dump_json(by_alias=True, indent=2)
 
 
 def covariance_fault(matrix: NDArray[np.float64]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import re
@@ -58,7 +59,21 @@ def test_the_manual_names_the_keys_that_are_there(record: DiagnosisRecord) -> No
 def test_a_record_comes_back_as_it_was(record: DiagnosisRecord, tmp_path: Path) -> None:
     """Lose nothing in the file, and find it by its folder too."""
     (tmp_path / "diagnosis.json").write_text(record.text(), encoding="utf-8")
-    assert read_record(tmp_path) == read_record(tmp_path / "diagnosis.json") == record
+    read = read_record(tmp_path)
+    assert read == read_record(tmp_path / "diagnosis.json")
+    assert read == record.with_seal()
+
+
+def test_a_record_is_sealed(record: DiagnosisRecord, tmp_path: Path) -> None:
+    """Write the SHA-256 of the canonical JSON of all but the seal, and tell any other content from it."""
+    content = json.loads(record.text())
+    seal = content.pop("sealed")
+    canonical = json.dumps(content, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+    assert hashlib.sha256(canonical.encode()).hexdigest() == seal
+    file = tmp_path / "diagnosis.json"
+    for change, intact in (({}, True), ({"sentence": "All is well."}, False), ({"sealed": ""}, False)):
+        file.write_text(json.dumps(content | {"sealed": seal} | change), encoding="utf-8")
+        assert read_record(file).intact is intact
 
 
 def test_the_contract_holds(record: DiagnosisRecord) -> None:

@@ -7,7 +7,6 @@ variance, baseline, settings, versions), so that a change of any number, input o
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
@@ -28,14 +27,14 @@ from harness.identify.record import (
 from harness.identify.selection.criterion import Criterion, Evidence
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection
+from harness.provenance import canonical
 
 _DIGITS = 16  # of a hash: with 64 bits a collision among some thousand decisions is excluded
 
 
 def digest(value: Any) -> str:
     """A short SHA-256 of JSON content, with all digits of its numbers."""
-    text = json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+    return hashlib.sha256(canonical(value).encode()).hexdigest()[:_DIGITS]
 
 
 def hashed(part: ProblemRecord | LedgerLine) -> str:
