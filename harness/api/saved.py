@@ -186,13 +186,18 @@ def load_diagnosis(path: str | Path, *, effects: Sequence[Given] = ()) -> Loaded
     Raises:
         InputError: it is no diagnosis.json that this version can use.
     """
+    kept = as_written(path, effects=effects)
+    with beside_catalogue(effects):
+        _check_effects(kept.record, kept.origin)
+    return kept
+
+
+def as_written(path: str | Path, *, effects: Sequence[Given] = ()) -> LoadedDiagnosis:
+    """As `load_diagnosis`, but for a replay, which tells itself what cannot be."""
     path = Path(path)
     file = path / FILE if path.is_dir() else path
     settle(file.parent)
-    record = read_record(file)
-    with beside_catalogue(effects):
-        _check_effects(record, file)
-    return LoadedDiagnosis(record, file, effects)
+    return LoadedDiagnosis(read_record(file), file, effects)
 
 
 def _check_effects(record: DiagnosisRecord, file: Path) -> None:

@@ -256,12 +256,14 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
 @click.option(
     "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
 )
+@click.option("--engines", is_flag=True, help="Run the engines, too, and compare their errors.")
 @_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
-    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
+    """Replay a diagnosis: check that its seal, its decisions and all that it concludes come out again.
 
-    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. The exit code is 1 if anything
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Verdict, sentence, effects, model,
+    prediction errors and baselines are computed anew, and every difference is listed. The exit code is 1 if anything
     differs, 2 if an input file has changed since.
 
     \b
@@ -280,6 +282,7 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
         how = "re-optimised from their parameters" if refit else f"deviances within {done.largest:.1g}"
         lines = [f"{mismatch.where}: {mismatch.what}" for mismatch in done.mismatches]
         lines += [f"note: {name} has changed since: {change}" for name, change in done.other_versions.items()]
+        lines += [f"not verified: {what}" for what in done.unverified]
         result = "nothing differs" if done.reproduced else f"{len(done.mismatches)} differ"
         click.echo("\n".join([*lines, f"{done.attempts} decisions, {done.fits} fits replayed ({how}): {result}"]))
     sys.exit(0 if done.reproduced else 1)

@@ -65,12 +65,6 @@ class ParameterRecord(Part):
     high: Number
     unit: str
 
-    @model_validator(mode="after")
-    def _in_order(self) -> ParameterRecord:
-        if (self.low is not None and self.low > self.value) or (self.high is not None and self.high < self.value):
-            raise ValueError(f"the value {self.value:g} is outside its interval, {self.low} to {self.high}")
-        return self
-
     @property
     def interval(self) -> tuple[float | None, float | None]:
         """Low and high end of the 95 % interval; `None` if the recordings do not bound it."""
@@ -264,7 +258,8 @@ class FitRecord(Part):
 
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
     `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated; errors exceeded the
-    foreseen standard deviations by the factor `band`.
+    foreseen standard deviations by the factor `band`. `covariance` is that of the parameters in their units, of fits
+    whose standard errors cannot be computed from the rest: those left behind by the search, and those to free runs.
     """
 
     effects: tuple[FittedEffect, ...]
@@ -277,6 +272,14 @@ class FitRecord(Part):
     estimator: EstimatorName = "likelihood"
     held_out_m: tuple[Number, ...] = ()
     band: Positive = 1.0
+    covariance: tuple[tuple[Number, ...], ...] = ()
+
+    @model_validator(mode="after")
+    def _with_its_covariance(self) -> FitRecord:
+        count = len(self.parameters)
+        if self.covariance and [len(row) for row in self.covariance] != [count] * count:
+            raise ValueError(f"covariance is not a table of {count} rows and columns, as there are {count} parameters")
+        return self
 
 
 class SourcesRecord(Part):
@@ -374,11 +377,12 @@ class ModelRecord(Part):
 
 
 class LedgerRecord(Part):
-    """The search: every decision, the fits that were compared, and their problem."""
+    """The search: every decision, the fits that were compared, their problem, and the name of the fit `found`."""
 
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]
     problem: ProblemRecord
+    found: str = ""
 
 
 class SeparationRecord(Part):
@@ -440,6 +444,7 @@ class DiagnosisRecord(Part):
     baselines: BaselinesRecord | None
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]
+    found: str = Field(default="", description="Name of the fit that is the result.")
     problem: ProblemRecord
     model: ModelRecord
     inputs: InputsRecord
