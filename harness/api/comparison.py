@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from analytic.motion import State
-    from harness.comparison import Study
+    from harness.comparison import Choices, Study
     from harness.engines.parameters import EngineParameters
     from harness.engines.protocol import Engine
     from harness.recording import Case as CheckedCase
@@ -201,6 +202,7 @@ def compare(
         )
         if limits is not None:
             choices = limits.applied_to(choices)
+        _check_numbers(case, recording, chosen, choices)
         given = (*files_of(effects), *([] if tolerances is None else [Path(tolerances)]))
         writing = partial(all_or_nothing, record=MANIFEST, names=FILES, inputs=(*input_files(case), *given))
         # Entered first: what cannot be written need not be computed.
@@ -213,6 +215,25 @@ def compare(
                 tell("report", share=0.8)
                 made = replace(made, report_failures=made._write(scratch))
     return made
+
+
+def _check_numbers(
+    case: Case, recording: str | None, engines: Sequence[tuple[Engine, EngineParameters]], choices: Choices
+) -> None:
+    """Refuse numbers that cannot be, and time steps of which memory does not hold a run."""
+    from harness.engines.leapfrog import check_steps
+
+    for name, values in (("tube", (choices.tolerance,)), ("windows", choices.lengths)):
+        for value in values:
+            if not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"{name}: {value:g} is not a finite length; give a positive number")
+    if choices.seed < 0:
+        raise InputError(f"seed: {choices.seed} is negative; give 0 or more")
+    compared = [case.recordings[recording]] if recording in case.recordings else case.recordings.values()
+    longest = max(float(one.time[-1] - one.time[0]) for one in compared)
+    for engine, parameters in engines:
+        # The numerical error is told by runs with half the step.
+        check_steps(2.0 * longest, parameters.time_step, f"{engine.name}.time_step")
 
 
 def headline_rows(study: Study) -> list[tuple[str, ...]]:

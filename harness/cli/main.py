@@ -16,6 +16,7 @@ from typing import Any
 import click
 
 from analytic.motion import State
+from harness.cli.options import FiniteRange, PathType, Whole, number_in
 from harness.cli.termination import Terminated, terminable
 from harness.errors import HarnessError
 
@@ -63,10 +64,8 @@ class StateType(click.ParamType):
         if value is None or isinstance(value, State) or value == "estimate":
             return None if value == "estimate" else value
         try:
-            position, velocity = map(float, str(value).split(","))
+            position, velocity = map(number_in, str(value).split(","))
         except ValueError:
-            position = velocity = math.nan
-        if not (math.isfinite(position) and math.isfinite(velocity)):
             self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
         return State(position, velocity)
 
@@ -82,7 +81,9 @@ class AngleType(click.ParamType):
             return value
         found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
         try:
-            angle = float(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
+            angle = (
+                number_in(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
+            )
         except ValueError:
             angle = math.nan
         if not math.isfinite(angle):
@@ -90,7 +91,7 @@ class AngleType(click.ParamType):
         return angle
 
 
-_PATH = click.Path(path_type=Path)
+_PATH = PathType()
 _out_option = click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
 _force_option = click.option(
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
@@ -162,20 +163,20 @@ def main() -> None:
 @click.option(
     "--window",
     "windows",
-    type=click.FloatRange(min=0.05),
+    type=FiniteRange(min=0.05),
     multiple=True,
     metavar="SECONDS",
     help="Length of the windows; repeatable [default: 1, 2 and 5 s].",
 )
 @click.option(
     "--tube",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=FiniteRange(min=0.0, min_open=True),
     default=0.010,
     show_default=True,
     metavar="METRES",
     help="Half width of the tolerance tube.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the Monte Carlo draws.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of the Monte Carlo draws.")
 @click.option(
     "--check", "check_limits", is_flag=True, help="Check the result against tolerances; exit code 1 if one is violated."
 )
@@ -342,15 +343,13 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(min=2.0, max=600.0),
+    type=FiniteRange(min=2.0, max=600.0),
     default=16.0,
     show_default=True,
     metavar="SECONDS",
     help="Length of each recording.",
 )
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections."
-)
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections.")
 @click.option("--force", is_flag=True, help="Write into a folder that is not empty, and replace files there.")
 def simulate(out: Path, **options: Any) -> None:
     """Simulate a case with a known truth on the paper's rig: rigid bodies in contact, none of the models under test.

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from harness.api.writing import all_or_nothing
+from harness.cli.options import number_in
 from harness.errors import InputError
 
 Values = dict[str, dict[str, float]]
@@ -63,7 +64,7 @@ def _values(texts: Iterable[str], option: str) -> Values:
     for text in texts:
         found = re.fullmatch(r"\s*(\w+)\.(\w+)\s*=\s*(\S+)\s*", text)
         try:
-            value = float(found[3]) if found else None
+            value = number_in(found[3]) if found else None
         except ValueError:
             value = None
         if found is None or value is None:
