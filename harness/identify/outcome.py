@@ -30,11 +30,10 @@ _BY_HELD_OUT_ERRORS = {Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Ru
 def untried(problem: Problem, selection: Selection, failures: Iterable[Failed] = ()) -> tuple[str, ...]:
     """Candidates that the first round has no line of, and that did not fail: the search tries each of them alone."""
     failed = [one for one in failures if one.part in (Part.CANDIDATE, Part.SEARCH)]
-    if any(one.part is Part.SEARCH for one in failed):
+    if any(one.name == "first round" for one in failed):
         return ()
-    begun = {
-        line.effects for line in selection.ledger if line.rule is Rule.ADD and not _has_terms(problem, line.against)
-    }
+    added = [line for line in selection.ledger if line.rule is Rule.ADD]
+    begun = {line.effects for line in added if not _has_terms(problem, line.against)}
     names = {one.name.split(" + ")[-1] for one in failed}
     return tuple(name for name in candidates(problem) if (name,) not in begun and name not in names)
 

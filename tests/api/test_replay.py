@@ -146,3 +146,11 @@ def test_an_edit_breaks_the_seal(saved: Path, content: Content, case: Path, tmp_
     (tmp_path / "diagnosis.json").write_text(json.dumps(content), encoding="utf-8")
     (tmp_path / "prediction_rec_03.csv").write_text("time_s,ball_position_m\n", encoding="utf-8")
     assert [one.where for one in harness.replay(tmp_path, case).mismatches] == ["sealed", "prediction_rec_03.csv"]
+
+
+@pytest.mark.slow
+def test_a_step_that_failed_excuses_no_empty_ledger(content: Content, case: Path, tmp_path: Path) -> None:
+    """Find that nothing was tried also where a later step of the search is said to have failed."""
+    _empty(content)
+    content["failures"] = [{"part": "search", "name": "swaps", "message": "failed", "where": ""}]
+    assert "ledger" in differing(content, case, tmp_path)
