@@ -6,7 +6,9 @@ that the user added to the catalogue. Forking is unsafe in programs whose thread
 default everywhere is a single process.
 """
 
+import ctypes
 import multiprocessing
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -17,6 +19,8 @@ from functools import partial
 from typing import Any, TypeVar
 
 from harness.errors import HarnessError
+
+_PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 
 T = TypeVar("T")
 Results = Callable[[], list[T]]
@@ -55,7 +59,7 @@ def meanwhile(
     if workers < 2 or sys.platform != "linux" or multiprocessing.parent_process() is not None:
         yield partial(_one_by_one, jobs, on_done)
         return
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin, (jobs,))
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin, (jobs, os.getpid()))
     try:
         pending = [pool.submit(_do, index) for index in range(len(jobs))]
         yield partial(_awaited, pending, on_done)
@@ -81,10 +85,19 @@ def _awaited(pending: Sequence[Future[T]], on_done: Callable[[int], None]) -> li
     return [future.result() for future in pending]
 
 
-def _begin(jobs: Sequence[Callable[[], Any]]) -> None:
+def _begin(jobs: Sequence[Callable[[], Any]], parent: int) -> None:
     global _jobs
     _jobs = jobs
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent's handler is none of this process
+    _end_with(parent)
+
+
+def _end_with(parent: int) -> None:
+    """Have the system kill this process when its parent is killed, which else leaves it waiting for work for ever."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it was killed before that
+        os._exit(1)
 
 
 def _do(index: int) -> Any:

@@ -1,14 +1,31 @@
-"""What produced a result: a digest of all installed code of this product, and the versions of the software under it."""
+"""What produced a result: digests of the installed code and of the result, versions of the software under it."""
 
 import ast
 import hashlib
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("analytic", "harness", "mjcf", "urdf")
 _NUMERICAL = ("ball-beam-harness", "numpy", "scipy", "numba")
+
+
+SEAL = "sealed"
+"""Key under which a result has the digest of its own content."""
+
+
+def canonical(value: Any) -> str:
+    """JSON content as one text: keys in order, no blanks, all digits of its numbers."""
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+
+
+def seal_of(content: Mapping[str, Any]) -> str:
+    """SHA-256 of JSON content without its seal, in canonical form."""
+    rest = {key: value for key, value in content.items() if key != SEAL}
+    return hashlib.sha256(canonical(rest).encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def versions() -> dict[str, str]:

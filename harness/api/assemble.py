@@ -76,6 +76,7 @@ def diagnosis_record(
         baselines=None if found.baselines is None else _baselines(found.baselines),
         ledger=ledger.ledger,
         fits=ledger.fits,
+        found=ledger.found,
         problem=ledger.problem,
         model=model_record(found.problem, found.found, case.sensors),
         inputs=InputsRecord(

@@ -62,3 +62,9 @@ def case_of(given: CheckedCase | str | Path) -> Case:
     if isinstance(given, CheckedCase):
         return Case(**vars(given))
     return load_case(given)
+
+
+def input_files(case: CheckedCase) -> tuple[Path, ...]:
+    """The files that a case was read from."""
+    rig = case.path if case.path.name == cases.RIG_FILE else case.path / cases.RIG_FILE
+    return (*(one.path for one in case.recordings.values()), *([rig] if case.sha256 else []))

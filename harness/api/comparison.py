@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from harness.api.case import Case, case_of
-from harness.api.effects import Given, beside_catalogue
-from harness.api.outputs import all_or_nothing, report_folder, to_json
+from harness.api.case import Case, case_of, input_files
+from harness.api.effects import Given, beside_catalogue, files_of
+from harness.api.outputs import report_folder, sealed_json
 from harness.api.progress import shown
+from harness.api.writing import all_or_nothing, hashes_of
 from harness.errors import EngineFailure, InputError
 from harness.failures import Failed, Failures
 from harness.progress import Progress
@@ -23,13 +26,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from analytic.motion import State
-    from harness.comparison import Study
+    from harness.comparison import Choices, Study
     from harness.engines.parameters import EngineParameters
     from harness.engines.protocol import Engine
     from harness.recording import Case as CheckedCase
     from harness.tolerances import Checked, Tolerances
 
 REPORT = "report.html"
+MANIFEST = "manifest.json"
+FILES = (REPORT, "trajectories.csv", "metrics.csv", MANIFEST)
 HEADS = ("source", "RMS [mm]", "max [mm]", "fit [%]", "E/u_val", "ISO 18571")
 
 
@@ -94,20 +99,22 @@ class Comparison(Summarised):
 
         return drawn(Subject(self.study, {}, self.checks, self.command), self.study.headline)
 
-    def save(self, folder: str | Path | None = None) -> Path:
+    def save(self, folder: str | Path | None = None, *, force: bool = False) -> Path:
         """Write report.html, trajectories.csv, metrics.csv and manifest.json, all of them or none.
 
         Args:
             folder: to write into; `reports/<name of the case>` if none is given.
+            force: replace files that no comparison wrote, or that have been changed since, too.
 
         Returns:
             The folder.
 
         Raises:
-            InputError: the folder cannot be written.
+            InputError: the folder cannot be written, or a file is in the way.
         """
         folder = report_folder(self.case.path) if folder is None else Path(folder)
-        with all_or_nothing(folder) as scratch:
+        inputs = input_files(self.case)
+        with all_or_nothing(folder, record=MANIFEST, names=FILES, inputs=inputs, force=force) as scratch:
             self._write(scratch)
         return folder
 
@@ -122,7 +129,8 @@ class Comparison(Summarised):
         page = render_comparison(self.study, facts, checks=self.checks, failures=failures)
         (folder / REPORT).write_text(page, encoding="utf-8")
         facts["failures"] += map(str, failures.all)
-        (folder / "manifest.json").write_text(to_json(facts) + "\n", encoding="utf-8")
+        facts["files"] = hashes_of(folder)
+        (folder / MANIFEST).write_text(sealed_json(facts), encoding="utf-8")
         return failures.all
 
 
@@ -141,6 +149,7 @@ def compare(
     tolerances: str | Path | None = None,
     effects: Sequence[Given] = (),
     out: str | Path | None = None,
+    force: bool = False,
     command: str = "",
     progress: bool | Progress = False,
 ) -> Comparison:
@@ -160,6 +169,7 @@ def compare(
         tolerances: file of limits to check; those of the case, else the package's, if none is given.
         effects: effects of your own that rig.toml declares, as Python files or as `Effect` objects.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
+        force: replace files in `out` that no comparison wrote, or that have been changed since, too.
         command: what repeats the comparison, for the manifest.
         progress: show a bar on stderr, or a function to be told.
 
@@ -192,8 +202,11 @@ def compare(
         )
         if limits is not None:
             choices = limits.applied_to(choices)
+        _check_numbers(case, recording, chosen, choices)
+        given = (*files_of(effects), *([] if tolerances is None else [Path(tolerances)]))
+        writing = partial(all_or_nothing, record=MANIFEST, names=FILES, inputs=(*input_files(case), *given))
         # Entered first: what cannot be written need not be computed.
-        with nullcontext() if out is None else all_or_nothing(Path(out)) as scratch:
+        with nullcontext() if out is None else writing(Path(out), force=force) as scratch:
             tell("drive and measured state", share=0.05)
             result = study(prepare(case, choices), chosen, tell)
             checks = tuple(held_to(result, limits)) if limits is not None else ()
@@ -202,6 +215,25 @@ def compare(
                 tell("report", share=0.8)
                 made = replace(made, report_failures=made._write(scratch))
     return made
+
+
+def _check_numbers(
+    case: Case, recording: str | None, engines: Sequence[tuple[Engine, EngineParameters]], choices: Choices
+) -> None:
+    """Refuse numbers that cannot be, and time steps of which memory does not hold a run."""
+    from harness.engines.leapfrog import check_steps
+
+    for name, values in (("tube", (choices.tolerance,)), ("windows", choices.lengths)):
+        for value in values:
+            if not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"{name}: {value:g} is not a finite length; give a positive number")
+    if choices.seed < 0:
+        raise InputError(f"seed: {choices.seed} is negative; give 0 or more")
+    compared = [case.recordings[recording]] if recording in case.recordings else case.recordings.values()
+    longest = max(float(one.time[-1] - one.time[0]) for one in compared)
+    for engine, parameters in engines:
+        # The numerical error is told by runs with half the step.
+        check_steps(2.0 * longest, parameters.time_step, f"{engine.name}.time_step")
 
 
 def headline_rows(study: Study) -> list[tuple[str, ...]]:

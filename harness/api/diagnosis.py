@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.api.case import Case, case_of
+from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
-from harness.api.outputs import all_or_nothing, report_folder, write_csv
+from harness.api.outputs import report_folder, write_csv
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis
+from harness.api.writing import all_or_nothing, hashes_of
 from harness.errors import InputError
 from harness.failures import Failures, Part, attempt
-from harness.identify.record import FILE, DiagnosisRecord
+from harness.identify.record import EXPERIMENT, FILE, DiagnosisRecord
 from harness.progress import Progress
 from harness.recording import Recording, load_recording
 from harness.recording.source import read_source
@@ -39,6 +40,14 @@ class Asked:
     also: tuple[Path, ...] = ()
     effects: tuple[Path, ...] = ()
     out: Path | None = None
+
+    @contextmanager
+    def scratch(self, folder: Path, case: CheckedCase, *, force: bool) -> Iterator[Path]:
+        """A scratch folder for all files of a diagnosis (`all_or_nothing`)."""
+        names = (FILE, REPORT, EXPERIMENT, *prediction_files(case))
+        inputs = (*input_files(case), *self.also, *self.effects)
+        with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
+            yield scratch
 
     def command(self, name: str, *paths: Path, whole: bool = True) -> str:
         """What is to be typed; with `also` and `out` where it is the `whole`."""
@@ -78,21 +87,22 @@ class Diagnosis(LoadedDiagnosis):
         with beside_catalogue(self._own):
             return before_after(Account(self.found, self.record, self.case, ""))
 
-    def save(self, folder: str | Path | None = None, *, jobs: int = 1) -> Path:
+    def save(self, folder: str | Path | None = None, *, jobs: int = 1, force: bool = False) -> Path:
         """Write diagnosis.json, diagnosis.html, predictions and the next experiment, all of them or none.
 
         Args:
             folder: to write into; `reports/<name of the case>` if none is given.
             jobs: processes to draw the report in; 1 for this one.
+            force: replace files that no diagnosis wrote, or that have been changed since, too.
 
         Returns:
             The folder.
 
         Raises:
-            InputError: the folder cannot be written.
+            InputError: the folder cannot be written, or a file is in the way.
         """
         folder = report_folder(self.case.path) if folder is None else Path(folder)
-        with beside_catalogue(self._own), all_or_nothing(folder) as scratch:
+        with beside_catalogue(self._own), self._asked.scratch(folder, self.case, force=force) as scratch:
             self._write(scratch, folder, jobs)
         return folder
 
@@ -101,7 +111,6 @@ class Diagnosis(LoadedDiagnosis):
         import pandas as pd
 
         from harness.api.assemble import failure_records
-        from harness.identify.design.proposal import FILE as EXPERIMENT
         from harness.report.diagnosis import render_diagnosis
         from harness.report.page import render_page
 
@@ -128,7 +137,8 @@ class Diagnosis(LoadedDiagnosis):
             None,
         ) or render_page(f"{self.case.name}: {self.sentence}", (), failures=failures.all)
         (scratch / REPORT).write_text(page, encoding="utf-8")
-        self.record = self.record.model_copy(update={"failures": failure_records(failures.all)})
+        told = {"failures": failure_records(failures.all), "files": hashes_of(scratch)}
+        self.record = self.record.model_copy(update=told).with_seal()
         (scratch / FILE).write_text(self.record.text() + "\n", encoding="utf-8")
 
 
@@ -138,6 +148,7 @@ def diagnose(
     also: Sequence[str | Path] = (),
     effects: Sequence[Given] = (),
     out: str | Path | None = None,
+    force: bool = False,
     jobs: int = 1,
     progress: bool | Progress = False,
 ) -> Diagnosis:
@@ -148,13 +159,14 @@ def diagnose(
         also: further recordings of the rig, with positions, to hold the result against; nothing is fitted to them.
         effects: effects of your own to look for beside the catalogue's, as Python files or as `Effect` objects.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
+        force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
         jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
             other threads hold locks, as they may in a notebook. The search uses threads on all cores in any case.
         progress: show a bar on stderr, or a function to be told.
 
     Raises:
-        InputError: the case, a further recording, a file of effects or a file's name cannot be used; nothing has been
-            written then.
+        InputError: the case, a further recording, a file of effects or a file's name cannot be used, or a file is in
+            the way; nothing has been written then.
     """
     begin = time.monotonic()
     asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out))
@@ -164,7 +176,7 @@ def diagnose(
         prediction_files(case)
         further = _further(case, asked.also)
         # Entered first: what cannot be written need not be computed.
-        with nullcontext() if asked.out is None else all_or_nothing(asked.out) as scratch:
+        with nullcontext() if asked.out is None else asked.scratch(asked.out, case, force=force) as scratch:
             tell("drives and rig", share=0.0)
             from harness.api.assemble import diagnosis_record
             from harness.identify.diagnosis import diagnose as find
@@ -175,7 +187,7 @@ def diagnose(
             problem = problem_of(case)
             records = [PreparedRecording.of(observe(one, case.sensors, problem.rig)) for one in further]
             found = find(problem, tell, also=records, length=case.rig.length, jobs=jobs)
-            record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further)
+            record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further).with_seal()
             made = Diagnosis(record, case, found, effects=own, asked=asked)
             if scratch is not None and asked.out is not None:
                 tell("report", share=0.95)

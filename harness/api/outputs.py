@@ -1,13 +1,11 @@
-"""What a run leaves behind: trajectories.csv, metrics.csv, manifest.json, report.html — all of them or none."""
+"""What a run leaves behind: trajectories.csv, metrics.csv, manifest.json, report.html."""
 
 from __future__ import annotations
 
+import json
 import platform
-import shutil
 import sys
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -15,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pydantic_core
 
-from harness.errors import InputError
+from harness.provenance import SEAL, seal_of
 from harness.recording.case import RIG_FILE, case_name
 
 if TYPE_CHECKING:
@@ -29,41 +27,6 @@ _PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib", "pydantic")
 def report_folder(case: Path) -> Path:
     """Where the results of a case go unless the user says otherwise: `reports/<name of the case>`."""
     return Path("reports") / case_name(case)
-
-
-@contextmanager
-def all_or_nothing(folder: Path) -> Iterator[Path]:
-    """A scratch folder whose files are moved into `folder` when the block ends well, and deleted when it does not.
-
-    Files of other names that are already in `folder` stay. Folders that were made for nothing are removed again.
-
-    Raises:
-        InputError: the folder cannot be made or written.
-    """
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
-    done = False
-    scratch: Path | None = None
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
-        yield scratch
-        files = sorted(scratch.iterdir())
-        blocked = [file.name for file in files if (folder / file.name).is_dir()]
-        if blocked:
-            raise InputError(f"{folder / blocked[0]}: is a folder, and a file of this name is to be written; move it")
-        for file in files:
-            file.replace(folder / file.name)
-        done = True
-    except OSError as error:
-        where = error.filename or folder
-        raise InputError(f"{where}: cannot be written ({error.strerror}); choose another folder with --out") from error
-    finally:
-        if scratch is not None:
-            shutil.rmtree(scratch, ignore_errors=True)
-        if not done:
-            for path in made:
-                with suppress(OSError):  # not made after all, or by now somebody else's
-                    path.rmdir()
 
 
 def trajectories(study: Study) -> pd.DataFrame:
@@ -122,6 +85,12 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
 def to_json(value: Any) -> str:
     """JSON text, also of dataclasses; numbers that are not finite become null, as JSON has none."""
     return pydantic_core.to_json(value, indent=2, inf_nan_mode="null", fallback=lambda one: one.item()).decode()
+
+
+def sealed_json(content: Mapping[str, Any]) -> str:
+    """JSON text of a command's record, with the digest of its own content (`harness.api.writing`)."""
+    plain = json.loads(to_json(content))
+    return to_json(plain | {SEAL: seal_of(plain)}) + "\n"
 
 
 def write_csv(table: pd.DataFrame, file: Path) -> None:

@@ -7,8 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.api.effects import Given, beside_catalogue
+from harness.api.writing import settle
+from harness.errors import InputError
 from harness.formatting import number
 from harness.identify.record import (
+    AT_BOUND,
     FILE,
     DiagnosisRecord,
     EffectRecord,
@@ -16,12 +19,15 @@ from harness.identify.record import (
     RmsRecord,
     UnlistedRecord,
     read_record,
+    unusable,
 )
 from harness.recording import Recording, Sensors, load_recording
 from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from analytic.motion import FloatArray
 
 
 class LoadedDiagnosis(Summarised):
@@ -109,21 +115,38 @@ class LoadedDiagnosis(Summarised):
             `time_s, ball_position_m` and the 95 % band `low_m, high_m`.
 
         Raises:
-            InputError: the recording cannot be used, or the model names an effect that the catalogue does not have.
+            InputError: the recording cannot be used, the model names an effect that the catalogue does not have or has
+                numbers that no fit could have given, or positions come out that are not finite.
         """
-        model, sensors = self.record.model, self.sensors
+        sensors = self.sensors
         read = load_recording(recording, sensors=sensors) if isinstance(recording, str | Path) else recording
-        with beside_catalogue(self._own):
-            import pandas as pd
+        import numpy as np
+        import pandas as pd
 
-            from harness.identify.estimate.forecast import forecast
-            from harness.identify.model_file import read_model, rig_of
-            from harness.identify.problem.problem import PreparedRecording
-            from harness.preparation.recordings import observe
+        try:
+            with beside_catalogue(self._own):
+                table = self._forecast(read, sensors)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            raise InputError(
+                f"{self.origin}: its model does not predict {read.path} ({error}); diagnose anew"
+            ) from error
+        if not all(np.isfinite(column).all() for column in table.values()):
+            raise InputError(
+                f"{self.origin}: its model predicts positions of {read.path} that are not finite; diagnose anew"
+            )
+        return pd.DataFrame(table)
 
-            record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
-            problem, found = read_model(model, record, str(self.origin))
-            return pd.DataFrame(forecast(problem, found, record, record.reading).table())
+    def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
+        """The columns of a prediction; the effects are beside the catalogue."""
+        from harness.identify.estimate.forecast import forecast
+        from harness.identify.model_file import read_model, rig_of
+        from harness.identify.problem.problem import PreparedRecording
+        from harness.preparation.recordings import observe
+
+        model = self.record.model
+        record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
+        problem, found = read_model(model, record, str(self.origin))
+        return forecast(problem, found, record, record.reading).table()
 
     def summary(self) -> Summary:
         """The verdict in words, the effects, the held-out errors."""
@@ -163,5 +186,40 @@ def load_diagnosis(path: str | Path, *, effects: Sequence[Given] = ()) -> Loaded
     Raises:
         InputError: it is no diagnosis.json that this version can use.
     """
+    kept = as_written(path, effects=effects)
+    with beside_catalogue(effects):
+        _check_effects(kept.record, kept.origin)
+    return kept
+
+
+def as_written(path: str | Path, *, effects: Sequence[Given] = ()) -> LoadedDiagnosis:
+    """As `load_diagnosis`, but for a replay, which tells itself what cannot be."""
     path = Path(path)
-    return LoadedDiagnosis(read_record(path), path / FILE if path.is_dir() else path, effects)
+    file = path / FILE if path.is_dir() else path
+    settle(file.parent)
+    return LoadedDiagnosis(read_record(file), file, effects)
+
+
+def _check_effects(record: DiagnosisRecord, file: Path) -> None:
+    """Refuse effects of the catalogue with parameters that they do not have, or in another unit or out of bounds.
+
+    Where the bounds depend on the recordings, only a prediction can tell.
+    """
+    from analytic.effects import CATALOGUE
+
+    for at, one in enumerate(record.effects):
+        if one.name not in CATALOGUE:
+            continue
+        known = {parameter.name: parameter for parameter in CATALOGUE[one.name].parameters}
+        where = f"effects.{at}.parameters"
+        if set(one.parameters) != set(known):
+            raise unusable(file, where, f"{one.name} has {', '.join(known)}, not {', '.join(one.parameters)}")
+        for name, given in one.parameters.items():
+            parameter = known[name]
+            if given.unit != parameter.unit:
+                raise unusable(file, f"{where}.{name}.unit", f"it is {parameter.unit!r}, not {given.unit!r}")
+            low, high = parameter.low, parameter.high
+            slack = AT_BOUND * (high - low)
+            if parameter.fitted is None and not low - slack <= given.value <= high + slack:
+                text = f"{given.value:g} is not between {low:g} and {high:g} {parameter.unit}"
+                raise unusable(file, f"{where}.{name}.value", text.removesuffix(" 1"))

@@ -1,9 +1,13 @@
-"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 a part failed."""
+"""Commands and their options. Exit codes: 0 done, 1 the answer is no, 2 bad use or bad input, 3 a part failed.
+
+Interrupted (SIGINT) a command ends with 130, terminated (SIGTERM) with 143; both clean up.
+"""
 
 import math
 import os
 import re
 import shlex
+import signal
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -12,19 +16,28 @@ from typing import Any
 import click
 
 from analytic.motion import State
+from harness.cli.options import FiniteRange, PathType, Whole, number_in
+from harness.cli.termination import Terminated, terminable
 from harness.errors import HarnessError
 
 
 class Friendly(click.Group):
-    """A group that turns a `HarnessError` into a message and its exit code."""
+    """A group that turns a `HarnessError`, an interrupt or a termination into a message and its exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; a `HarnessError` ends it with one message."""
         try:
-            return super().invoke(ctx)
+            with terminable():
+                return super().invoke(ctx)
         except HarnessError as error:
             click.echo(f"error: {error}", err=True)
             sys.exit(error.exit_code)
+        except KeyboardInterrupt:
+            click.echo("error: interrupted", err=True)
+            sys.exit(128 + signal.SIGINT)
+        except Terminated:
+            click.echo("error: terminated", err=True)
+            sys.exit(128 + signal.SIGTERM)
 
 
 class RunCommand(click.Command):
@@ -51,10 +64,8 @@ class StateType(click.ParamType):
         if value is None or isinstance(value, State) or value == "estimate":
             return None if value == "estimate" else value
         try:
-            position, velocity = map(float, str(value).split(","))
+            position, velocity = map(number_in, str(value).split(","))
         except ValueError:
-            position = velocity = math.nan
-        if not (math.isfinite(position) and math.isfinite(velocity)):
             self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
         return State(position, velocity)
 
@@ -70,7 +81,9 @@ class AngleType(click.ParamType):
             return value
         found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
         try:
-            angle = float(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
+            angle = (
+                number_in(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
+            )
         except ValueError:
             angle = math.nan
         if not math.isfinite(angle):
@@ -78,8 +91,11 @@ class AngleType(click.ParamType):
         return angle
 
 
-_PATH = click.Path(path_type=Path)
+_PATH = PathType()
 _out_option = click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
+_force_option = click.option(
+    "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
+)
 _effects_option = click.option(
     "--effects",
     multiple=True,
@@ -147,20 +163,20 @@ def main() -> None:
 @click.option(
     "--window",
     "windows",
-    type=click.FloatRange(min=0.05),
+    type=FiniteRange(min=0.05),
     multiple=True,
     metavar="SECONDS",
     help="Length of the windows; repeatable [default: 1, 2 and 5 s].",
 )
 @click.option(
     "--tube",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=FiniteRange(min=0.0, min_open=True),
     default=0.010,
     show_default=True,
     metavar="METRES",
     help="Half width of the tolerance tube.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the Monte Carlo draws.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of the Monte Carlo draws.")
 @click.option(
     "--check", "check_limits", is_flag=True, help="Check the result against tolerances; exit code 1 if one is violated."
 )
@@ -171,6 +187,7 @@ def main() -> None:
     help="Limits for --check [default: tolerances.toml of the case, else the package's].",
 )
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -202,6 +219,7 @@ def run(case: Path | None, **options: Any) -> None:
     "repeatable.",
 )
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.
@@ -239,12 +257,14 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
 @click.option(
     "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
 )
+@click.option("--engines", is_flag=True, help="Run the engines, too, and compare their errors.")
 @_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
-    """Replay the ledger of a diagnosis: check that its hashes, deviances and decisions are reproduced.
+    """Replay a diagnosis: check that its seal, its decisions and all that it concludes come out again.
 
-    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. The exit code is 1 if anything
+    DIAGNOSIS is a diagnosis.json or the folder it is in, CASE what it was made from. Verdict, sentence, effects, model,
+    prediction errors and baselines are computed anew, and every difference is listed. The exit code is 1 if anything
     differs, 2 if an input file has changed since.
 
     \b
@@ -263,6 +283,7 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
         how = "re-optimised from their parameters" if refit else f"deviances within {done.largest:.1g}"
         lines = [f"{mismatch.where}: {mismatch.what}" for mismatch in done.mismatches]
         lines += [f"note: {name} has changed since: {change}" for name, change in done.other_versions.items()]
+        lines += [f"not verified: {what}" for what in done.unverified]
         result = "nothing differs" if done.reproduced else f"{len(done.mismatches)} differ"
         click.echo("\n".join([*lines, f"{done.attempts} decisions, {done.fits} fits replayed ({how}): {result}"]))
     sys.exit(0 if done.reproduced else 1)
@@ -273,31 +294,26 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
 @click.argument("recording", type=_PATH)
 @click.option("--out", type=_PATH, help="CSV to write [default: <recording>_predicted.csv beside it].")
 @_effects_option
+@_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
-def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, **options: Any) -> None:
+def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. RECORDING is a CSV whose positions are blank after the first
     second or so; the initial state is estimated from the others. Writes time_s, ball_position_m and the 95 % interval
-    low_m, high_m.
+    low_m, high_m, and beside the CSV its hash in a hidden file, by which it is known when it is to be replaced.
 
     \b
     Examples:
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness predict reports/my_rig/diagnosis.json my_rig/rec_03.csv --out predicted.csv
     """
-    from harness.api.outputs import all_or_nothing, to_json, write_csv
-    from harness.api.saved import load_diagnosis
-    from harness.recording import load_recording
+    from harness.cli.predict import predict_recording
 
-    kept = load_diagnosis(diagnosis, **options)
-    read = load_recording(recording, sensors=kept.sensors)
-    table = kept.predict(read)
-    target = out or recording.with_name(f"{recording.stem}_predicted.csv")
-    with all_or_nothing(target.parent) as scratch:
-        write_csv(table, scratch / target.name)
-    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
-    click.echo(to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)")
+    text, warning = predict_recording(diagnosis, recording, **options)
+    if warning:
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(text)
 
 
 @main.command()
@@ -327,15 +343,14 @@ def predict(diagnosis: Path, recording: Path, out: Path | None, as_json: bool, *
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(min=2.0, max=600.0),
+    type=FiniteRange(min=2.0, max=600.0),
     default=16.0,
     show_default=True,
     metavar="SECONDS",
     help="Length of each recording.",
 )
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections."
-)
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections.")
+@click.option("--force", is_flag=True, help="Write into a folder that is not empty, and replace files there.")
 def simulate(out: Path, **options: Any) -> None:
     """Simulate a case with a known truth on the paper's rig: rigid bodies in contact, none of the models under test.
 

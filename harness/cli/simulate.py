@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from harness.api.writing import all_or_nothing
+from harness.cli.options import number_in
 from harness.errors import InputError
 
 Values = dict[str, dict[str, float]]
@@ -20,6 +22,7 @@ def simulate_case(
     imperfections: Sequence[str],
     duration: float,
     seed: int,
+    force: bool = False,
 ) -> str:
     """Write a simulated case and say what it is.
 
@@ -30,14 +33,13 @@ def simulate_case(
         imperfections: kinds of them.
         duration: of each recording [s].
         seed: of everything random.
+        force: write into a folder that is not empty, and replace files there.
 
     Raises:
         InputError: something cannot be read or simulated; nothing has been written then.
     """
     from harness.simulator import UNLISTED, Experiment, with_imperfections, write_case
 
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder} exists and is not an empty folder; name another one with --out.")
     acting = _values(hidden, "--hide")
     experiment = Experiment(
         hidden={name: values for name, values in acting.items() if name not in UNLISTED},
@@ -49,7 +51,10 @@ def simulate_case(
     )
     if imperfect or imperfections:
         experiment = with_imperfections(experiment, imperfections, seed=seed)
-    recordings = write_case(folder, experiment)
+    with all_or_nothing(folder, force=force) as scratch:
+        if not force and any(one != scratch.parent for one in folder.iterdir()):
+            raise InputError(f"{folder} exists and is not an empty folder; name another one with --out, or use --force")
+        recordings = write_case(scratch, experiment)
     return f"simulated case: {folder} ({len(recordings)} recordings; truth.json says what acts in them)"
 
 
@@ -59,7 +64,7 @@ def _values(texts: Iterable[str], option: str) -> Values:
     for text in texts:
         found = re.fullmatch(r"\s*(\w+)\.(\w+)\s*=\s*(\S+)\s*", text)
         try:
-            value = float(found[3]) if found else None
+            value = number_in(found[3]) if found else None
         except ValueError:
             value = None
         if found is None or value is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -69,6 +70,8 @@ def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, di
         engine, dot, parameter = name.strip().partition(".")
         if not (equals and dot and parameter):
             raise InputError(f"--set {text}: write engine.parameter=value, as in mujoco.friction=0.3")
+        if re.search(r"\d_\d", value):
+            raise InputError(f"--set {text}: write the number without _")
         settings.setdefault(_known(engine), {})[parameter] = _value(value.strip())
     return settings
 

@@ -46,18 +46,42 @@ class Grid:
         return len(self.rate)
 
 
+MOST_STEPS = 4_000_000
+"""Largest number of steps of a run: they take some 4 GB of memory, and PyBullet seven minutes."""
+
+
+def check_steps(duration: float, time_step: float, what: str) -> None:
+    """Refuse a run that memory does not hold.
+
+    Args:
+        duration: of the run [s].
+        time_step: dt [s].
+        what: sets the time step, for the message.
+
+    Raises:
+        InputError: it takes more than `MOST_STEPS`.
+    """
+    if duration > MOST_STEPS * time_step:
+        steps = duration / time_step
+        raise InputError(
+            f"{what} is {time_step:g} s: a run would take {steps:.2g} steps and some {1e-6 * steps:.2g} GB of memory; "
+            f"give at least {duration / MOST_STEPS:.2g} s"
+        )
+
+
 def grid_of(motion: BeamMotion, stamps: FloatArray, time_step: float) -> Grid:
     """The grid that covers `stamps`, shape (n,) [s].
 
     A motion is known up to the last stamp only; the rest of the last step continues it with its last derivatives.
 
     Raises:
-        InputError: stamps do not increase, or the motion is not finite.
+        InputError: stamps do not increase, the motion is not finite, or there are more than `MOST_STEPS`.
     """
     stamps = np.asarray(stamps, dtype=float)
     if stamps.ndim != 1 or stamps.size == 0 or not np.isfinite(stamps).all() or (np.diff(stamps) <= 0.0).any():
         raise InputError("the time stamps given to an engine must be finite and strictly increasing")
     first, last = float(stamps[0]), float(stamps[-1])
+    check_steps(last - first, time_step, "the engine's time_step")
     cells = math.ceil((last - first) / time_step - 1e-6)  # a stamp 1e-6 dt beyond t_n belongs to t_n
     steps = max(cells, 1) + 1
     time = first + time_step * np.arange(steps + 1, dtype=np.float64)

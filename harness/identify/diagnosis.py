@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeVar
@@ -86,10 +87,30 @@ def diagnose(
         length: of the beam, where it is known [m]; the next experiment may use all of it.
         jobs: processes for the engines' runs (`harness.parallel`); 1 runs them in this process.
     """
-    searching, validating, running = (Stage(progress, *stage) for stage in (_SEARCH, _VALIDATION, _ENGINES))
     failures = Failures()
-    identified = identify(problem, searching, failures)
-    base, found = identified.base, identified.found
+    identified = identify(problem, Stage(progress, *_SEARCH), failures)
+    return validate(identified, failures, progress, also=also, length=length, jobs=jobs)
+
+
+def validate(
+    identified: Identification,
+    failures: Failures,
+    progress: Progress = silent,
+    *,
+    also: Sequence[PreparedRecording] = (),
+    length: float | None = None,
+    engines: bool = True,
+    jobs: int = 1,
+) -> Diagnosis:
+    """Validate an identification, compare it with the baselines and propose the next experiment.
+
+    Args:
+        failures: of the identification; collects further ones.
+        progress, also, length, jobs: as of `diagnose`.
+        engines: whether the engines run, too.
+    """
+    validating, running = (Stage(progress, *stage) for stage in (_VALIDATION, _ENGINES))
+    problem, base, found = identified.problem, identified.base, identified.found
 
     def validated(name: str, job: Callable[[], T], otherwise: T) -> T:
         return attempt(failures, Part.VALIDATION, name, job, otherwise)
@@ -100,12 +121,15 @@ def diagnose(
     others = {
         one.name: Another(
             validated(f"on {one.name}", partial(on_another, problem, base, found, one, validating), UNKNOWN),
-            engine_errors(HeldOut(problem, base, found, (one,)), progress=validating, jobs=jobs, failures=failures),
+            engine_errors(HeldOut(problem, base, found, (one,)), progress=validating, jobs=jobs, failures=failures)
+            if engines
+            else {},
         )
         for one in also
     }
     in_sample = HeldOut(problem, base, found, problem.recordings)
-    with engines_running(in_sample, held, running, jobs=jobs, failures=failures) as engines:
+    run = engines_running(in_sample, held, running, jobs=jobs, failures=failures) if engines else nullcontext(dict)
+    with run as errors_of_engines:
         made = Diagnosis(
             **vars(identified),
             identify=validated(
@@ -124,7 +148,7 @@ def diagnose(
                 failures, Part.BASELINES, "", lambda: compare_with_baselines(problem, base, found, validating), None
             ),
             hidden=hidden_by(problem.unknown),
-            engines=engines(),
+            engines=errors_of_engines(),
         )
     return replace(made, failures=failures.all)
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
-from analytic.effects import CATALOGUE, acting
+from analytic.effects import CATALOGUE, Acting, EffectError, acting
+from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Colour, PreparedRecording, Problem
 from harness.identify.problem.spline_term import SplineTerm
-from harness.identify.record import ModelRecord, RigRecord, SensorsRecord
+from harness.identify.record import AT_BOUND, ModelRecord, RigRecord, SensorsRecord, covariance_fault, unusable
 from harness.identify.selection.ledger_record import colour_record, declared_record
 from harness.recording import Sensors
 
@@ -29,13 +31,25 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         spline_term=None if spline is None else spline.record(),
         parameters=tuple(found.theta.tolist()),
         phases=len(problem.recordings),
-        covariance=tuple(map(tuple, found.covariance.tolist())),
+        covariance=tuple(map(tuple, _covariance(found).tolist())),
         process_noise_m2_s3=found.process_noise,
         estimator=found.estimator.value,
         band=found.band,
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
     )
+
+
+def _covariance(found: Fit) -> FloatArray:
+    """The covariance of a fit, shape (k, k), without what rounding leaves of negative variances."""
+    covariance = found.covariance
+    if not covariance_fault(covariance) or not np.isfinite(covariance).all():
+        return covariance
+    deviations = np.sqrt(np.diag(covariance).clip(min=0.0))
+    unit = np.outer(*[np.where(deviations > 0.0, deviations, 1.0)] * 2)
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T) / unit)
+    nearest = (vectors * values.clip(min=0.0)) @ vectors.T
+    return np.asarray(0.5 * (nearest + nearest.T) * unit)
 
 
 def rig_of(kept: ModelRecord) -> Rig:
@@ -53,31 +67,73 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
     Raises:
         InputError: the content is not what this version writes, or an effect is not in the catalogue.
     """
-    unknown = [name for name in kept.effects if name not in CATALOGUE]
-    if unknown:
-        raise InputError(
-            f"{origin}: the effect {unknown[0]} is not in the catalogue; give the file of an effect of your own with "
-            "--effects"
-        )
+    hypothesis = _hypothesis(kept, origin)
+    declared = _declared(kept, origin)
+    colour = Colour(kept.colour.share, kept.colour.time_s)
+    problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2, colour=colour)
+    theta = np.array(kept.parameters, dtype=float)
+    _check_parameters(theta, hypothesis, problem, origin)
+    if any(one is None for row in kept.covariance for one in row):
+        raise unusable(origin, "model.covariance", "holds null, as the recordings do not tell how sure its numbers are")
     try:
-        declared = tuple(acting(one.name, one.values) for one in kept.declared)
-        colour = Colour(kept.colour.share, kept.colour.time_s)
-        problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2, colour=colour)
-        hypothesis = Hypothesis(kept.effects, None if kept.spline_term is None else SplineTerm.of(kept.spline_term))
-        theta = np.array(kept.parameters, dtype=float)
-        covariance = np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta))
-        found = Fit(
-            hypothesis,
-            theta,
-            hypothesis.terms(theta, problem),
-            kept.process_noise_m2_s3,
-            np.nan,
-            covariance,
-            problem.readings,
-            estimator=Estimator(kept.estimator),
-            band=kept.band,
-        )
+        terms = hypothesis.terms(theta, problem)
     except (IndexError, ValueError) as error:
-        raise InputError(f"{origin}: is no diagnosis that this version can use ({error}); diagnose anew") from error
+        raise unusable(origin, "model", str(error)) from error
+    found = Fit(
+        hypothesis,
+        theta,
+        terms,
+        kept.process_noise_m2_s3,
+        np.nan,
+        np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta)),
+        problem.readings,
+        estimator=Estimator(kept.estimator),
+        band=kept.band,
+    )
     # The phases φ₀ in the file belong to other recordings; that of this one is estimated from its own readings.
     return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found
+
+
+def _hypothesis(kept: ModelRecord, origin: str) -> Hypothesis:
+    """The terms of the model, without values."""
+    _in_catalogue(kept.effects, origin)
+    if len(set(kept.effects)) < len(kept.effects):
+        raise unusable(origin, "model.effects", f"one of {', '.join(kept.effects)} stands there twice")
+    return Hypothesis(kept.effects, None if kept.spline_term is None else SplineTerm.of(kept.spline_term))
+
+
+def _declared(kept: ModelRecord, origin: str) -> tuple[Acting, ...]:
+    """The declared effects, with their values."""
+    _in_catalogue([one.name for one in kept.declared], origin)
+    try:
+        return tuple(acting(one.name, one.values) for one in kept.declared)
+    except EffectError as error:
+        raise unusable(origin, "model.declared", str(error).rstrip(".")) from error
+
+
+def _in_catalogue(names: Iterable[str], origin: str) -> None:
+    for name in names:
+        if name not in CATALOGUE:
+            raise InputError(
+                f"{origin}: the effect {name} is not in the catalogue; give the file of an effect of your own with "
+                "--effects"
+            )
+
+
+def _check_parameters(theta: FloatArray, hypothesis: Hypothesis, problem: Problem, origin: str) -> None:
+    """Refuse scaled parameters, shape (k,), that are not those of the hypothesis, or that no fit could have reached.
+
+    Where the bounds of a fit depend on the recordings, which here are others, a number may also be within the bounds of
+    the effect itself.
+    """
+    size = hypothesis.size(problem)
+    if len(theta) != size:
+        raise unusable(origin, "model.parameters", f"{len(theta)} numbers, but its effects and spline term have {size}")
+    scale, (lows, highs) = hypothesis.scale(problem), hypothesis.bounds(problem)
+    for at, (effect, name) in enumerate(hypothesis.parameters):
+        (parameter,) = (one for one in CATALOGUE[effect].parameters if one.name == name)
+        low, high = min(parameter.low, lows[at] * scale[at]), max(parameter.high, highs[at] * scale[at])
+        value, slack = theta[at] * scale[at], AT_BOUND * (high - low)
+        if not low - slack <= value <= high + slack:
+            text = f"{name} of {effect} is {value:g}; it must lie between {low:g} and {high:g} {parameter.unit}"
+            raise unusable(origin, f"model.parameters.{at}", text.removesuffix(" 1"))

@@ -10,19 +10,35 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
+from analytic.rig import Rig
+from analytic.slots import MOST_NODES
 from harness.errors import InputError
 from harness.failures import described
+from harness.provenance import SEAL, seal_of
 
 SCHEMA = 3
 """Version of the format."""
 FILE = "diagnosis.json"
+EXPERIMENT = "next_experiment.csv"
+"""The proposed beam motion, beside it."""
 SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
 EstimatorName = Literal["likelihood", "free_runs"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+AT_BOUND = 1e-6
+"""Share of a parameter's range: fits end at a bound up to rounding."""
+# Of a covariance, relative to its standard deviations: the inverse of an ill-conditioned matrix rounds by as much.
+_ROUNDING = 1e-6
+_LONGEST_SHOWN = 40  # characters of a wrong value in a message
 
 
 def _null(value: Any) -> Any:
@@ -77,10 +93,16 @@ class ShapeRecord(Part):
 
     at: tuple[Finite, ...]
     values: tuple[Finite, ...]
-    unit: str
+    unit: Literal["1", "m/s²"]
     friction: bool
     low: Finite
-    step: Finite
+    step: Positive
+
+    @model_validator(mode="after")
+    def _of_one_length(self) -> ShapeRecord:
+        if len(self.at) != len(self.values):
+            raise ValueError(f"{len(self.values)} values at {len(self.at)} abscissae")
+        return self
 
 
 class UnlistedRecord(Part):
@@ -214,8 +236,14 @@ class SplineTermRecord(Part):
     depends: DependsName
     friction: bool
     low: Finite
-    step: Finite
-    nodes: int
+    step: Positive
+    nodes: int = Field(ge=2, le=MOST_NODES)
+
+    @model_validator(mode="after")
+    def _possible(self) -> SplineTermRecord:
+        if self.friction and self.depends in ("velocity", "angle"):
+            raise ValueError(f"there is no friction term of the {self.depends}")
+        return self
 
 
 class FittedEffect(Part):
@@ -230,19 +258,28 @@ class FitRecord(Part):
 
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
     `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated; errors exceeded the
-    foreseen standard deviations by the factor `band`.
+    foreseen standard deviations by the factor `band`. `covariance` is that of the parameters in their units, of fits
+    whose standard errors cannot be computed from the rest: those left behind by the search, and those to free runs.
     """
 
     effects: tuple[FittedEffect, ...]
     spline_term: SplineTermRecord | None
     parameters: tuple[Finite, ...]
-    process_noise_m2_s3: Finite
+    process_noise_m2_s3: Positive
     deviance: Number
     criterion: Number
     abandoned: bool = False
     estimator: EstimatorName = "likelihood"
     held_out_m: tuple[Number, ...] = ()
-    band: Finite = 1.0
+    band: Positive = 1.0
+    covariance: tuple[tuple[Number, ...], ...] = ()
+
+    @model_validator(mode="after")
+    def _with_its_covariance(self) -> FitRecord:
+        count = len(self.parameters)
+        if self.covariance and [len(row) for row in self.covariance] != [count] * count:
+            raise ValueError(f"covariance is not a table of {count} rows and columns, as there are {count} parameters")
+        return self
 
 
 class SourcesRecord(Part):
@@ -272,14 +309,19 @@ class RigRecord(Part):
     friction_coefficient: Finite
     transition_velocity: Finite
 
+    @model_validator(mode="after")
+    def _possible(self) -> RigRecord:
+        Rig(**self.model_dump())
+        return self
+
 
 class SensorsRecord(Part):
     """Known properties of the sensors, as `harness.recording.Sensors`."""
 
-    angle_resolution: Number = None
-    angle_noise: Number = None
-    position_noise: Number = None
-    position_resolution: Number = None
+    angle_resolution: Positive | None = None
+    angle_noise: NotNegative | None = None
+    position_noise: NotNegative | None = None
+    position_resolution: Positive | None = None
 
 
 class ActingRecord(Part):
@@ -301,18 +343,21 @@ class ProblemRecord(Part):
 
     inputs: SourcesRecord
     recordings: tuple[str, ...]
-    readings: int
-    reading_variance_m2: Finite
+    readings: int = Field(ge=1)
+    reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]
-    settings: dict[str, int | float]
+    settings: dict[str, int | Finite]
     hash: str = ""
 
 
 class ModelRecord(Part):
-    """The identified model: everything that a prediction needs."""
+    """The identified model: everything that a prediction needs.
+
+    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it.
+    """
 
     rig: RigRecord
     sensors: SensorsRecord
@@ -322,19 +367,31 @@ class ModelRecord(Part):
     parameters: tuple[Finite, ...]
     phases: int = Field(ge=1)
     covariance: tuple[tuple[Number, ...], ...]
-    process_noise_m2_s3: Finite
+    process_noise_m2_s3: Positive
     estimator: EstimatorName = "likelihood"
-    band: Finite = 1.0
-    reading_variance_m2: Finite
+    band: Positive = 1.0
+    reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
+
+    @model_validator(mode="after")
+    def _with_its_covariance(self) -> ModelRecord:
+        count = len(self.parameters)
+        if len(self.covariance) != count or any(len(row) != count for row in self.covariance):
+            raise ValueError(f"covariance is not a table of {count} rows and columns, as there are {count} parameters")
+        rows = [[np.nan if one is None else one for one in row] for row in self.covariance]
+        fault = covariance_fault(np.array(rows, dtype=float).reshape(count, count))
+        if fault:
+            raise ValueError(f"covariance {fault}")
+        return self
 
 
 class LedgerRecord(Part):
-    """The search: every decision, the fits that were compared, and their problem."""
+    """The search: every decision, the fits that were compared, their problem, and the name of the fit `found`."""
 
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]
     problem: ProblemRecord
+    found: str = ""
 
 
 class SeparationRecord(Part):
@@ -396,16 +453,60 @@ class DiagnosisRecord(Part):
     baselines: BaselinesRecord | None
     ledger: tuple[LedgerLine, ...]
     fits: dict[str, FitRecord]
+    found: str = Field(default="", description="Name of the fit that is the result.")
     problem: ProblemRecord
     model: ModelRecord
     inputs: InputsRecord
     next_experiment: NextExperimentRecord | None
     failures: tuple[FailureRecord, ...] = ()
     wall_time_s: Finite
+    files: dict[str, str] = Field(default={}, description="SHA-256 of the files written with it.")
+    sealed: str = Field(default="", description="SHA-256 of the canonical JSON of all the rest.")
+
+    @model_validator(mode="after")
+    def _of_the_same_recordings(self) -> DiagnosisRecord:
+        if self.model.phases != len(self.problem.recordings):
+            raise ValueError(
+                f"model.phases is {self.model.phases}, but problem.recordings names {len(self.problem.recordings)}"
+            )
+        return self
+
+    @property
+    def seal(self) -> str:
+        """What `sealed` has to be."""
+        return seal_of(json.loads(self.model_dump_json(by_alias=True)))
+
+    @property
+    def intact(self) -> bool:
+        """Whether its content is what was sealed."""
+        return self.sealed == self.seal
+
+    def with_seal(self) -> DiagnosisRecord:
+        """The same, sealed."""
+        return self.model_copy(update={SEAL: self.seal})
 
     def text(self) -> str:
-        """Content of the file."""
-        return self.model_dump_json(by_alias=True, indent=2)
+        """Content of the file, sealed."""
+        return self.with_seal().model_dump_json(by_alias=True, indent=2)
+
+
+def covariance_fault(matrix: NDArray[np.float64]) -> str:
+    """Why a matrix, shape (k, k), NaN where unknown, is no covariance within rounding; empty if it is one."""
+    known = np.isfinite(matrix).all(axis=0) & np.isfinite(matrix).all(axis=1)
+    matrix = matrix[np.ix_(known, known)]
+    variances = np.diag(matrix)
+    if not len(matrix):
+        return ""
+    if (variances < 0.0).any():
+        return f"has the negative variance {variances.min():g}"
+    deviations = np.sqrt(variances)
+    deviations[deviations == 0.0] = 1.0
+    correlations = matrix / deviations / deviations[:, None]
+    if np.abs(correlations - correlations.T).max() > _ROUNDING:
+        return "is not symmetric"
+    if np.linalg.eigvalsh(correlations)[0] < -_ROUNDING * len(matrix):
+        return "is not positive semi-definite"
+    return ""
 
 
 def read_record(path: Path) -> DiagnosisRecord:
@@ -416,26 +517,38 @@ def read_record(path: Path) -> DiagnosisRecord:
     """
     file = path / FILE if path.is_dir() else path
     try:
-        content = json.loads(file.read_bytes())
+        raw = file.read_bytes()
+        content = json.loads(raw)
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror}); give the {FILE} of `diagnose`") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{file}: is no diagnosis ({error}); give the {FILE} that `diagnose` wrote") from error
     version = content.get("schema") if isinstance(content, dict) else None
     if version is None:
         raise InputError(f"{file}: is no diagnosis (it has no schema); give the {FILE} that `diagnose` wrote")
-    if version != SCHEMA:
+    if isinstance(version, bool) or version != SCHEMA:
         raise InputError(
             f"{file}: is no diagnosis that this version can use (schema {version}, not {SCHEMA}); diagnose anew"
         )
     try:
-        return DiagnosisRecord.model_validate(content)
+        return DiagnosisRecord.model_validate_json(raw, strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        raise InputError(
-            f"{file}: is no diagnosis that this version can use ({where}: {first['msg']}); diagnose anew"
-        ) from error
+        raise unusable(file, ".".join(map(str, first["loc"])), _fault(first)) from error
+
+
+def unusable(file: Path | str, key: str, fault: str) -> InputError:
+    """The error of a diagnosis.json in which a key holds what it cannot."""
+    return InputError(f"{file}: is no diagnosis that this version can use ({key}: {fault}); diagnose anew")
+
+
+def _fault(error: ErrorDetails) -> str:
+    """What is wrong, and with which value if that is a short one."""
+    text = error["msg"].removeprefix("Value error, ")
+    given = error["input"]
+    if isinstance(given, dict | list | tuple) or len(repr(given)) > _LONGEST_SHOWN:
+        return text
+    return f"{text}, not {json.dumps(given)}"
 
 
 def schema_text() -> str:

@@ -1,5 +1,6 @@
 """A case: a folder with `rig.toml` and recordings, or one recording of the paper's rig."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -75,7 +76,15 @@ def case_name(path: Path) -> str:
 def case_path(path: str | Path) -> Path:
     """The path of a case; of a built-in one, if there is no such file or folder but this is its name."""
     path = Path(path)
-    return path if path.exists() else BUILT_IN.get(str(path), path)
+    return path if _holds(path.exists) else BUILT_IN.get(str(path), path)
+
+
+def _holds(question: Callable[[], bool]) -> bool:
+    """The answer to a question about a path; no where there can be none of this name, such as one that is too long."""
+    try:
+        return question()
+    except OSError:
+        return False
 
 
 def load_case(path: str | Path) -> Case:
@@ -85,8 +94,8 @@ def load_case(path: str | Path) -> Case:
         InputError: any part of the case is invalid.
     """
     path = case_path(path)
-    if not path.exists():
-        names = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
+    if not _holds(path.exists):
+        names = [entry.name for entry in path.parent.iterdir()] if _holds(path.parent.is_dir) else []
         names += BUILT_IN if len(path.parts) == 1 else []
         hint = did_you_mean(path.name, names) or " Check the path."
         raise InputError(f"{path}: there is no such file or folder.{hint}")
@@ -166,7 +175,7 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     listed = (*content.identify, *content.predict)
     if not listed:
         raise InputError(f"{file}: [recordings] is empty. Write identify = [{quoted(_csv_names(folder))}].")
-    missing = [name for name in listed if not (folder / name).is_file()]
+    missing = [name for name in listed if not _holds((folder / name).is_file)]
     if missing:
         present = _csv_names(folder)
         hint = did_you_mean(missing[0], present)

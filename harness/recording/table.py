@@ -148,6 +148,8 @@ def _numbers(table: Table, index: int, cells: NDArray[np.str_]) -> FloatArray:
     known = ~np.isin(np.char.lower(cells), MISSING)
     values = np.full(len(cells), np.nan)
     try:
+        if (np.char.find(cells, "_") >= 0).any():  # Python's way to write 1000 as 1_000
+            raise ValueError
         values[known] = cells[known].astype(np.float64)
     except ValueError:
         bad = [int(i) for i in np.flatnonzero(known) if not _is_number(cells[i])]
@@ -188,4 +190,4 @@ def _is_number(cell: str) -> bool:
         float(cell.replace(",", "."))
     except ValueError:
         return False
-    return cell.lower() not in MISSING
+    return "_" not in cell and cell.lower() not in MISSING

@@ -65,7 +65,7 @@ def read_effects(file: Path) -> tuple[Effect, ...]:
     read_source(file)  # says what is wrong with a file that cannot be read
     try:
         content = runpy.run_path(str(file))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise _blamed(file, error) from error
     values = [v for value in content.values() for v in (value if isinstance(value, list | tuple) else [value])]
     effects = {id(v): v for v in values if isinstance(v, Effect) and not any(v is one for one in CATALOGUE.values())}
@@ -116,14 +116,14 @@ def _guarded(file: Path, name: str, function: Callable[..., Any]) -> Callable[..
     def call(*arguments: Any, **named: Any) -> Any:
         try:
             return function(*arguments, **named)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise _blamed(file, error, name) from error
 
     return call
 
 
-def _blamed(file: Path, error: Exception, name: str = "") -> InputError:
-    """An error in a user's file as a message: file, line, what."""
+def _blamed(file: Path, error: Exception | SystemExit, name: str = "") -> InputError:
+    """An error in a user's file, or that it ends the program, as a message: file, line, what."""
     line = error.lineno if isinstance(error, SyntaxError) else None
     for frame in traceback.extract_tb(error.__traceback__):
         if frame.filename == str(file):
@@ -131,4 +131,6 @@ def _blamed(file: Path, error: Exception, name: str = "") -> InputError:
     where = f"{file}, line {line}" if line else str(file)
     what = f"{type(error).__name__}: " if not isinstance(error, EffectError) else ""
     message = error.msg if isinstance(error, SyntaxError) else error
+    if isinstance(error, SystemExit):
+        what, message = "", "ends the program by sys.exit"
     return InputError(f"{where}: {name and name + ': '}{what}{message}. Correct the file.")

@@ -22,11 +22,11 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_prediction_is_a_file_like_any_other(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """Write the table alone into the folder, to be read by whoever may read what else is written there."""
+    """Write the table and its hidden record, to be read by whoever may read what else is written there."""
     out = tmp_path / "out" / "predicted.csv"
     done = harness("predict", case, next(case.glob("*.csv")), "--out", out)
     assert done.code == 0, done.err
-    assert [path.name for path in out.parent.iterdir()] == [out.name]
+    assert sorted(path.name for path in out.parent.iterdir()) == [f".{out.name}.json", out.name]
     assert out.read_text(encoding="utf-8").startswith("time_s,ball_position_m,low_m,high_m\n")
     plain = tmp_path / "plain"
     plain.touch()

@@ -82,10 +82,24 @@ def test_an_unknown_recording(harness: Harness, case: Path) -> None:
         ("--level-angle", "steep"),
         ("--level-angle", "nan"),
         ("--window", "0"),
+        ("--window", "nan"),
+        ("--window", "inf"),
+        ("--tube", "nan"),
+        ("--tube", "inf"),
+        ("--tube", "0.01_0"),
+        ("--start", "0.3_6,0"),
+        ("--level-angle", "0.0_1"),
+        ("--set", "mujoco.friction=0.3_6"),
+        ("--seed", "-1"),
+        ("--seed", "1_0"),
+        ("--out", ""),
+        ("--out", "x" * 300),
+        ("--effects", "x" * 300),
+        ("--parameters", "deep/" * 900),
     ],
 )
 def test_a_bad_option(harness: Harness, case: Path, option: str, value: str) -> None:
-    """Name the option and what it takes."""
+    """Name the option and what it takes, and take no number that is not finite or not written plainly."""
     assert_refused(harness("run", case, f"{option}={value}"), option)
 
 
@@ -115,6 +129,20 @@ def test_a_file_where_the_folder_should_be(harness: Harness, case: Path, tmp_pat
 def test_a_folder_that_cannot_be_made(harness: Harness, case: Path) -> None:
     """Say that the folder cannot be written."""
     assert_refused(harness("run", case, "--out", "/proc/nowhere"), "/proc/nowhere", "--out")
+
+
+@pytest.mark.parametrize("command", ["run", "diagnose"])
+def test_a_name_that_is_too_long(harness: Harness, command: str) -> None:
+    """Say that no file can be called so."""
+    assert_refused(harness(command, "x" * 300), "too long")
+
+
+@pytest.mark.parametrize("step", ["1e-12", "5e-7"])
+def test_a_time_step_that_memory_does_not_hold(harness: Harness, case: Path, step: str) -> None:
+    """Say what it would take and what can be, before anything runs."""
+    done = harness("run", case, "--set", f"mujoco.time_step={step}")
+    assert_refused(done, "mujoco.time_step is", "GB of memory; give at least 1.5e-06 s")
+    assert "models" not in done.err  # progress: nothing ran
 
 
 @pytest.mark.slow

@@ -67,7 +67,9 @@ def test_help_names_every_kind() -> None:
     [
         (("--hide", "level_error"), "--hide 'level_error' is not NAME.PARAMETER=VALUE"),
         (("--hide", "level_error.angle=much"), "with a number in SI units"),
-        (("--hide", "level_error.angle=nan"), "nan"),
+        (("--hide", "level_error.angle=nan"), "with a number in SI units"),
+        (("--hide", "level_error.angle=0.0_1"), "with a number in SI units"),
+        (("--duration", "nan"), "is not a finite number"),
         (("--hide", "level_errr.angle=0.1"), "Did you mean 'level_error'"),
         (("--declare", "level_error.angle=0.001", "--declare", "level_error.angle=0.002"), "given twice"),
         (("--imperfection", "spike"), "Did you mean 'spikes'"),

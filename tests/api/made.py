@@ -40,6 +40,7 @@ def nothing_missing(folder: Path) -> DiagnosisRecord:
         baselines=None,
         ledger=ledger.ledger,
         fits=ledger.fits,
+        found=ledger.found,
         problem=ledger.problem,
         model=model_record(problem, base, case.sensors),
         inputs=InputsRecord(hashes={}, versions={}, also={}, seed=0),

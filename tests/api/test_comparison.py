@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -68,6 +69,21 @@ def test_nothing_is_said_and_nothing_written_unasked(
     harness.compare(folder, engines=["pybullet"], windows=[1.0])
     assert capsys.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"tube": float("nan")}, "tube: nan is not a finite length"),
+        ({"windows": [1.0, float("inf")]}, "windows: inf is not a finite length"),
+        ({"seed": -1}, "seed: -1 is negative"),
+        ({"settings": {"pybullet": {"time_step": 1e-12}}}, r"pybullet\.time_step is 1e-12 s: .* GB of memory"),
+    ],
+)
+def test_a_number_that_cannot_be_is_refused(folder: Path, options: dict[str, Any], said: str) -> None:
+    """Raise an error before anything is computed."""
+    with pytest.raises(harness.InputError, match=said):
+        harness.compare(folder, **options)
 
 
 def test_a_bad_setting_raises_the_message_of_the_command(folder: Path) -> None:

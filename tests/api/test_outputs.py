@@ -1,4 +1,4 @@
-"""What a run leaves behind: everything or nothing, in exactly the promised form."""
+"""What a run leaves behind, in exactly the promised form."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.api.outputs import all_or_nothing, manifest, metrics, to_json, trajectories, write_tables
+from harness.api.outputs import manifest, metrics, to_json, trajectories, write_tables
 from harness.comparison import Choices, Study, prepare, study
 from harness.engines.catalogue import engine_of, parameters_of
-from harness.errors import InputError
 from harness.recording import load_case
 from harness.recording.case import BUNDLED
 
@@ -38,63 +37,6 @@ def one() -> Study:
     falling = parameters_of(engine, {"contact_stiffness": 10.0, "contact_damping": 0.1})
     choices = Choices(lengths=(2.0,), level_angle="estimate")
     return study(prepare(load_case(BUNDLED), choices), [(engine, falling)])
-
-
-def write(folder: Path, *names: str, fail: bool = False) -> None:
-    """Write files of these names through `all_or_nothing`, and break off after that if asked to."""
-    with all_or_nothing(folder) as scratch:
-        for name in names:
-            (scratch / name).write_text("new")
-        if fail:
-            raise RuntimeError
-
-
-def test_files_appear_together(tmp_path: Path) -> None:
-    """Move files into place when all are written, and leave others alone."""
-    (tmp_path / "mine.txt").write_text("kept")
-    (tmp_path / "a.csv").write_text("old")
-    with all_or_nothing(tmp_path) as scratch:
-        (scratch / "a.csv").write_text("new")
-        (scratch / "b.csv").write_text("new")
-        assert (tmp_path / "a.csv").read_text() == "old"
-    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {
-        "mine.txt": "kept",
-        "a.csv": "new",
-        "b.csv": "new",
-    }
-
-
-def test_a_failure_leaves_nothing(tmp_path: Path) -> None:
-    """Leave neither files nor folders that were made on the way when something goes wrong."""
-    with pytest.raises(RuntimeError):
-        write(tmp_path / "new" / "deep", "a.csv", fail=True)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_failure_keeps_what_was_there(tmp_path: Path) -> None:
-    """Keep an earlier result whole when a later run fails."""
-    (tmp_path / "a.csv").write_text("old")
-    with pytest.raises(RuntimeError):
-        write(tmp_path, "a.csv", fail=True)
-    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.csv", "old")]
-
-
-@pytest.mark.parametrize("below", ["", "deeper"])
-def test_a_file_in_the_way_is_named(tmp_path: Path, below: str) -> None:
-    """Say so where the folder to write to is a file, or lies in one."""
-    file = tmp_path / "taken"
-    file.write_text("mine")
-    with pytest.raises(InputError, match=r"taken.*choose another folder with --out"):
-        write(file / below, "a.csv")
-    assert file.read_text() == "mine"
-
-
-def test_a_folder_in_the_way_of_a_file_is_named(tmp_path: Path) -> None:
-    """Replace nothing where one of the files cannot be put."""
-    (tmp_path / "b.csv").mkdir()
-    with pytest.raises(InputError, match=r"b\.csv: is a folder"):
-        write(tmp_path, "a.csv", "b.csv")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["b.csv"]
 
 
 def test_trajectories_have_a_column_a_source(one: Study, tmp_path: Path) -> None:

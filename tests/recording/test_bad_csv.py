@@ -61,6 +61,7 @@ BAD: dict[str, tuple[Callable[[], str], tuple[str, ...]]] = {
     "no header": (lambda: "\n".join(LINES[1:]), ("row 1", "column names", "time_s,beam_angle_rad")),
     "no separator": (lambda: "time angle\n0 0\n", ("row 1", "no separator", "semicolon")),
     "text": (cell(57, 1, "0.1o"), ("row 57", "'beam_angle_rad'", "'0.1o'", "not a number", "blank")),
+    "underscore": (cell(57, 1, "0.3_6"), ("row 57", "'beam_angle_rad'", "'0.3_6'", "not a number")),
     "text in position": (cell(9, 2, "lost"), ("row 9", "'ball_position_m'", "'lost'")),
     "units below the header": (line(2, "s,rad,m"), ("row 2", "'s'", "units", "column names")),
     "infinite": (cell(30, 2, "inf"), ("row 30", "'ball_position_m'", "not a measured value")),

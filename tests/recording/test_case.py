@@ -101,6 +101,15 @@ def test_missing_recording(folder: Path) -> None:
         load_case(folder)
 
 
+def test_a_name_that_no_file_can_have(folder: Path) -> None:
+    """Say of a name of 300 characters that there is no such recording, and no such case."""
+    (folder / "rig.toml").write_text(f'[recordings]\nidentify = ["{"x" * 300}.csv"]\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"rig\.toml: .*not found in"):
+        load_case(folder)
+    with pytest.raises(InputError, match="there is no such file or folder"):
+        load_case(folder / ("x" * 300) / "case")
+
+
 def test_listed_twice(folder: Path) -> None:
     """Refuse a recording that is listed twice."""
     (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.csv", "a.csv"]\n', encoding="utf-8")

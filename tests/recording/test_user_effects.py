@@ -107,6 +107,11 @@ def written(folder: Path, text: str) -> Path:
     [
         ("x = 1\ny = (\n", r"mine\.py, line 2: SyntaxError: '\(' was never closed"),
         ("import numpy\n\nx = 1 / 0\n", r"mine\.py, line 3: ZeroDivisionError"),
+        ("import sys\nsys.exit(0)\n", r"mine\.py, line 2: ends the program by sys\.exit\. Correct the file"),
+        (
+            HEAD + "import sys\n" + OWN.format(**GOOD | {"force": 'Force("angle", lambda a, size: sys.exit(0))'}),
+            r"mine\.py, line 9: mine: ends the program by sys\.exit",
+        ),
         ("from analytic.effects import Force\n", "has no effect in it"),
         (HEAD + OWN.format(**GOOD | {"name": "level_error"}), "'level_error' is taken"),
         (HEAD + OWN.format(**GOOD | {"low": "2.0"}), r"mine\.py, line 6: size: bounds 2 and 1"),
@@ -132,6 +137,8 @@ def written(folder: Path, text: str) -> Path:
     ids=[
         "syntax",
         "error",
+        "exit",
+        "exit in a law",
         "no effect",
         "taken",
         "bounds",

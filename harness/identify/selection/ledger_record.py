@@ -7,12 +7,13 @@ variance, baseline, settings, versions), so that a change of any number, input o
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from harness.identify.estimate.fit import Fit
+import numpy as np
+
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.record import (
     ActingRecord,
@@ -29,14 +30,14 @@ from harness.identify.record import (
 from harness.identify.selection.criterion import Criterion, Evidence
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection
+from harness.provenance import canonical
 
 _DIGITS = 16  # of a hash: with 64 bits a collision among some thousand decisions is excluded
 
 
 def digest(value: Any) -> str:
     """A short SHA-256 of JSON content, with all digits of its numbers."""
-    text = json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+    return hashlib.sha256(canonical(value).encode()).hexdigest()[:_DIGITS]
 
 
 def hashed(part: ProblemRecord | LedgerLine) -> str:
@@ -70,8 +71,12 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
     return record.model_copy(update={"hash": hashed(record)})
 
 
-def fit_record(fit: Fit, criterion: Criterion) -> FitRecord:
-    """A fit as JSON: hypothesis with the law of each effect, parameters, process noise, deviance and criterion."""
+def fit_record(fit: Fit, criterion: Criterion, *, covariance: bool = False) -> FitRecord:
+    """A fit as JSON: hypothesis with the law of each effect, parameters, process noise, deviance and criterion.
+
+    Args:
+        covariance: whether with the covariance of its parameters.
+    """
     spline = fit.hypothesis.spline
     return FitRecord(
         effects=tuple(FittedEffect.model_validate(effect) for effect in fit.hypothesis.effects),
@@ -84,6 +89,7 @@ def fit_record(fit: Fit, criterion: Criterion) -> FitRecord:
         estimator=fit.estimator.value,
         held_out_m=fit.held_out,
         band=fit.band,
+        covariance=tuple(map(tuple, fit.covariance.tolist())) if covariance else (),
     )
 
 
@@ -94,14 +100,25 @@ def ledger_record(problem: Problem, selection: Selection, inputs: SourcesRecord)
     fits: dict[str, FitRecord] = {}
 
     def name_of(fit: Fit) -> str:
-        record = fit_record(fit, criterion)
+        record = fit_record(fit, criterion, covariance=_keeps_covariance(fit, selection.found))
         name = fit_hash(posed, record)
         fits[name] = record
         return name
 
     name_of(selection.base)
     lines = tuple(_line(line, name_of) for line in selection.ledger)
-    return LedgerRecord(ledger=lines, fits=fits, problem=posed)
+    return LedgerRecord(ledger=lines, fits=fits, problem=posed, found=name_of(selection.found))
+
+
+def _keeps_covariance(fit: Fit, found: Fit) -> bool:
+    """Whether the covariance of a fit cannot be computed from the rest, and something depends on it.
+
+    That of the result by likelihood can. Of fits with a spline term nothing depends on it.
+    """
+    if fit.estimator is Estimator.FREE_RUNS:
+        return True
+    same = fit.hypothesis.names == found.hypothesis.names and np.array_equal(fit.theta, found.theta)
+    return fit.hypothesis.spline is None and not same
 
 
 def fit_hash(posed: ProblemRecord, record: FitRecord) -> str:

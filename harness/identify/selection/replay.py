@@ -18,7 +18,9 @@ from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.ledger import Line
 from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
+from harness.identify.selection.search import Selection
 from harness.identify.selection.spline_terms import held_out_deviances
 from harness.progress import Progress, silent
 
@@ -45,12 +47,14 @@ class Replay:
         attempts, fits: numbers of decisions and fits that were replayed.
         mismatches: all differences.
         largest: largest difference of a deviance.
+        selection: the fits and decisions of the record, evaluated; `None` if it does not name its fits.
     """
 
     attempts: int
     fits: int
     mismatches: tuple[Mismatch, ...]
     largest: float
+    selection: Selection | None = None
 
 
 def replay(
@@ -73,6 +77,7 @@ def replay(
     posed, recorded, lines = record.problem, record.fits, record.ledger
     mismatches = [*_problem_differences(posed, problem)]
     fits: dict[str, Fit] = {}
+    recorded_fits: dict[str, Fit] = {}
     largest = 0.0
     for name, entry in recorded.items():
         names = [effect.name for effect in entry.effects]
@@ -86,10 +91,34 @@ def replay(
         if difference > _TOLERANCE:
             text = f"deviance {evaluated.deviance:.6f}, recorded {_number(entry.deviance):.6f}"
             mismatches.append(Mismatch(f"fit {name} ({title})", text))
+        value = Criterion(problem.settings).value(evaluated)
+        if not abs(value - _number(entry.criterion)) <= _TOLERANCE:
+            text = f"criterion {value:.6f}, recorded {_number(entry.criterion):.6f}"
+            mismatches.append(Mismatch(f"fit {name} ({title})", text))
+        recorded_fits[name] = evaluated
         fits[name] = _refitted(evaluated, problem) if refit else evaluated
     decisions = _decisions(lines, fits, problem, progress if refit else None)
     mismatches += _decision_differences(lines, decisions, exact=not refit)
-    return Replay(len(lines), len(recorded), tuple(mismatches), largest)
+    selection = _selection(record, recorded_fits, problem)
+    return Replay(len(lines), len(recorded), tuple(mismatches), largest, selection)
+
+
+def _selection(record: LedgerRecord | DiagnosisRecord, fits: Mapping[str, Fit], problem: Problem) -> Selection | None:
+    """The result of the search that a record tells, with its fits evaluated."""
+    if record.found not in fits:
+        return None
+    lines = tuple(
+        Line(
+            Rule(line.rule),
+            line.tried,
+            fits[line.fit],
+            fits[line.against],
+            _evidence(line, fits, problem, None),
+            Decision(line.kept, _number(line.gain), line.because),
+        )
+        for line in record.ledger
+    )
+    return Selection(next(iter(fits.values())), fits[record.found], lines)
 
 
 def _problem_differences(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:
@@ -120,13 +149,16 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
     if len(theta) != hypothesis.size(problem):
         raise ValueError(f"{len(theta)} parameters for a hypothesis of {hypothesis.size(problem)}")
     at, process_noise = hypothesis.terms(theta, problem), entry.process_noise_m2_s3
+    covariance = np.zeros((len(theta),) * 2)
+    if entry.covariance:
+        covariance = np.array([[_number(one) for one in row] for row in entry.covariance])
     return Fit(
         hypothesis,
         theta,
         at,
         process_noise,
         deviance(problem, at, process_noise),
-        np.zeros((len(theta),) * 2),
+        covariance,
         problem.readings,
         entry.abandoned,
         Estimator(entry.estimator),

@@ -1,0 +1,68 @@
+"""Types of options: paths that a system can have, and numbers that are finite and written plainly."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+_LONGEST_NAME, _LONGEST_PATH = 255, 4095  # bytes; what Linux takes
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+def number_in(text: str) -> float:
+    """The finite number that a text is; Python's own `0.3_6` for 0.36, `nan` and `inf` are none.
+
+    Raises:
+        ValueError: it is none.
+    """
+    value = float(text) if _NUMBER.fullmatch(text.strip()) else math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not a finite number")
+    return value
+
+
+class PathType(click.Path):
+    """A path, which need not exist."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse what no file or folder can be called."""
+        text = os.fspath(value)
+        if not text:
+            self.fail("is empty; name a file or folder", param, ctx)
+        names = [len(os.fsencode(part)) for part in Path(text).parts]
+        if max(names, default=0) > _LONGEST_NAME or len(os.fsencode(text)) > _LONGEST_PATH:
+            self.fail(f"{text[:20]}…: this name is too long for a file system ({max(names)} bytes)", param, ctx)
+        if "\0" in text:
+            self.fail(f"{text!r}: no name holds a null character", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class FiniteRange(click.FloatRange):
+    """A finite number within bounds."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse what is no finite number before the bounds are looked at."""
+        if isinstance(value, str):
+            try:
+                value = number_in(value)
+            except ValueError as error:
+                self.fail(f"{error}", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Whole(click.IntRange):
+    """A whole number within bounds, in plain digits."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Refuse `1_0` for 10."""
+        if isinstance(value, str) and not re.fullmatch(r"[+-]?\d+", value.strip(), re.ASCII):
+            self.fail(f"{value!r} is not a whole number", param, ctx)
+        return super().convert(value, param, ctx)

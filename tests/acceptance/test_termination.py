@@ -1,0 +1,78 @@
+"""A command that is interrupted, terminated or killed: its exit code, and what is left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.acceptance.short import write_short_case
+
+ROOT = Path(__file__).parents[2]
+AT_WORK = "fit"  # in the progress of a search
+
+
+def begun(case: Path, out: Path) -> subprocess.Popen[str]:
+    """A diagnosis whose search has begun."""
+    command = [sys.executable, "-m", "harness", "diagnose", str(case), "--out", str(out)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    assert process.stderr is not None
+    for line in process.stderr:
+        if AT_WORK in line:
+            break
+    return process
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code", "said"), [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated")])
+def test_an_interrupt_leaves_nothing(tmp_path: Path, number: str, code: int, said: str) -> None:
+    """End with the exit code of the signal and one message, and leave neither files nor folders."""
+    process = begun(write_short_case(tmp_path / "case"), tmp_path / "out")
+    process.send_signal(signal.Signals[number])
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert [line for line in errors.splitlines() if not line.startswith("[")] == [f"error: {said}"]
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_what_a_kill_leaves_is_removed_by_the_next_command(tmp_path: Path) -> None:
+    """Leave only a hidden folder behind a kill, which the next command that writes there removes."""
+    case = write_short_case(tmp_path / "case")
+    process = begun(case, tmp_path / "out")
+    process.kill()
+    process.communicate(timeout=60)
+    (left,) = (tmp_path / "out").iterdir()
+    assert left.name.startswith(".unfinished-")
+    process = begun(case, tmp_path / "out")
+    assert not left.exists()
+    process.terminate()
+    process.communicate(timeout=60)
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_no_process_outlives_its_killed_parent(tmp_path: Path) -> None:
+    """End the processes of the engines with the command that is killed."""
+    script = (
+        "import os, sys, time\nfrom harness.parallel import side_by_side\n"
+        "def job():\n    print(os.getpid(), flush=True)\n    time.sleep(60)\n"
+        "side_by_side([job, job], 2)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen([sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    children = [int(process.stdout.readline()) for _ in range(2)]
+    process.kill()
+    process.wait()
+    deadline = time.monotonic() + 30.0
+    while any(Path(f"/proc/{child}").exists() for child in children) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    states = [Path(f"/proc/{child}/stat") for child in children]
+    assert all(not one.exists() or ") Z " in one.read_text() for one in states)
