@@ -24,7 +24,7 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
         InputError: no recording has positions enough, the rig cannot be completed, or a declared effect is not in the
             catalogue.
     """
-    names = [name for name in (names or case.identify) if int(case.recordings[name].known.sum()) >= _FEWEST]
+    names = [name for name in (names or case.identify) if int(case.recordings[name].usable.sum()) >= _FEWEST]
     if not names:
         raise InputError(f"{case.path}: no recording to identify from has {_FEWEST} known positions or more")
     declared = declared_effects(case)

@@ -14,6 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from harness.errors import InputError
 from harness.failures import described
+from harness.recording.findings import DataFinding
 
 SCHEMA = 3
 """Version of the format."""
@@ -374,6 +375,19 @@ class FailureRecord(Part):
         return described(self.part, self.name, self.message, self.where)
 
 
+class FindingRecord(Part):
+    """A warning or note on the input, as `harness.recording.DataFinding`; `code` is its short, stable name."""
+
+    severity: Literal["warning", "note"]
+    where: str
+    text: str
+    code: str
+
+    def finding(self) -> DataFinding:
+        """The same as the recording layer has it."""
+        return DataFinding(self.severity, self.where, self.text, self.code)
+
+
 class DiagnosisRecord(Part):
     """diagnosis.json."""
 
@@ -392,6 +406,7 @@ class DiagnosisRecord(Part):
     inputs: InputsRecord
     next_experiment: NextExperimentRecord | None
     failures: tuple[FailureRecord, ...] = ()
+    findings: tuple[FindingRecord, ...] = ()
     wall_time_s: Finite
 
     def text(self) -> str:

@@ -102,7 +102,7 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     if not (wanted or level):
         return CompletedRig(rough, None, assumed)
     others = (case.recordings[name] for name in case.identify if name != first.name)
-    used = (first, *(one for one in others if int(one.known.sum()) >= MIN_POSITIONS))
+    used = (first, *(one for one in others if int(one.usable.sum()) >= MIN_POSITIONS))
     problem = Problem.of([observe(one, case.sensors, rough) for one in used], rough, declared_effects(case))
     ratio, lever = "ratio" in wanted, "lever" in wanted
     fitted = fit_rig(problem, ratio=ratio, level=level, lever=lever)

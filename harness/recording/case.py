@@ -1,5 +1,6 @@
 """A case: a folder with `rig.toml` and recordings, or one recording of the paper's rig."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -59,6 +60,11 @@ class Case:
     def name(self) -> str:
         """For headings and folders."""
         return case_name(self.path)
+
+    def findings_on(self, names: Collection[str]) -> tuple[DataFinding, ...]:
+        """Findings on these recordings, and on the rig file or the case as a whole."""
+        others = [name for name in self.recordings if name not in names]
+        return tuple(one for one in self.findings if not any(f"{one.where},".startswith(f"{name},") for name in others))
 
     @property
     def simulated(self) -> bool:
@@ -131,9 +137,9 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     recordings = {file.name: load_recording(file, rig=rig) for file in files}
     where = path.resolve().name  # "." has no name of its own
     if path.is_file() and (path.parent / RIG_FILE).exists():
-        about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED)
+        about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED, "rig-file-ignored")
     else:
-        about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE)
+        about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE, "no-rig-file")
     identify = tuple(recordings)
     return Case(
         path=path,
@@ -162,7 +168,7 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     if content.identify is None or content.predict is None:
         names = tuple(_csv_names(folder))
         text = f"no table [recordings]; all recordings of the folder are used for identification: {', '.join(names)}."
-        return names, (), [DataFinding("note", file.name, text)]
+        return names, (), [DataFinding("note", file.name, text, "all-recordings")]
     listed = (*content.identify, *content.predict)
     if not listed:
         raise InputError(f"{file}: [recordings] is empty. Write identify = [{quoted(_csv_names(folder))}].")
@@ -196,7 +202,7 @@ def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where
         if sha256 in first:
             same = "is listed twice" if first[sha256] == name else f"and {first[sha256]} are the same file"
             text = f"{name} {same}; use each recording once, and do not predict a recording used for identification."
-            findings.append(DataFinding("warning", where, text))
+            findings.append(DataFinding("warning", where, text, "duplicate"))
         first.setdefault(sha256, name)
     return findings
 
@@ -205,7 +211,7 @@ def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) 
     """Recordings without positions, then findings of each, located by the name under which it is listed."""
     text = "contains no ball positions; it cannot be used for identification."
     without = [recordings[name].name for name in identify if not recordings[name].known.any()]
-    return [DataFinding("warning", name, text) for name in without] + [
+    return [DataFinding("warning", name, text, "no-positions") for name in without] + [
         replace(finding, where=name + finding.where.removeprefix(recording.name))
         for name, recording in recordings.items()
         for finding in recording.findings

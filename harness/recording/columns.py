@@ -119,11 +119,12 @@ def find_columns(
         found[name] = chosen
         if not chosen.unit:
             text = f"has no unit and is read as {quantity.column}; add the unit to the name."
-            findings.append(DataFinding("note", place(path.name, header_row, chosen.header), text))
+            findings.append(DataFinding("note", place(path.name, header_row, chosen.header), text, "no-unit"))
     unused = [name for index, name in enumerate(header) if index not in {column.index for column in found.values()}]
     _refuse_missing(where, header, unused, found)
     if unused:
-        findings.append(DataFinding("note", place(path.name, header_row), f"columns not used: {quoted(unused)}."))
+        text = f"columns not used: {quoted(unused)}."
+        findings.append(DataFinding("note", place(path.name, header_row), text, "unused-columns"))
     return found, findings
 
 

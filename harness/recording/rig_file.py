@@ -149,15 +149,15 @@ def _findings(path: Path, rig: KnownRig) -> list[DataFinding]:
         )
         if rig.inertia is None and rig.mass is not None and rig.radius is not None:
             text += " For a solid ball, add inertia_kg_m2 = 2/5 m R² to [ball]."
-        findings.append(DataFinding("note", path.name, text))
+        findings.append(DataFinding("note", path.name, text, "unknown-quantities"))
     if rig.inertia is not None and rig.mass is not None and rig.radius is not None:
         ratio = rig.inertia / (rig.mass * rig.radius**2)
         if not 0.3 <= ratio <= 0.7:
             text = f"is {ratio:.3g} m R²; a solid ball has 0.4, a thin shell 0.667. Check mass, radius and inertia."
-            findings.append(DataFinding("warning", f"{path.name}, [ball] inertia_kg_m2", text))
+            findings.append(DataFinding("warning", f"{path.name}, [ball] inertia_kg_m2", text, "inertia"))
     if rig.gravity is not None and not 9.7 <= rig.gravity <= 9.9:
         text = f"is {rig.gravity:g} m/s²; on Earth it lies between 9.76 and 9.84."
-        findings.append(DataFinding("warning", f"{path.name}, [environment] gravity_m_s2", text))
+        findings.append(DataFinding("warning", f"{path.name}, [environment] gravity_m_s2", text, "gravity"))
     return findings
 
 
