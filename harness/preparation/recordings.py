@@ -39,6 +39,10 @@ class Observed:
         return np.where(self.ball.trusted, self.recording.position, np.nan)
 
 
+def _unused(recording: Recording) -> str:
+    return " ".join(one.text for one in recording.findings if one.code == "unused-columns")
+
+
 def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
     """Prepares a recording, with the declared or inferred resolution of its sensors.
 
@@ -55,7 +59,7 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
         raise InputError(
             f"{recording.path}: {MIN_POSITIONS} known ball positions are needed to estimate the start state, {count} "
             "are known; check that the column is there and named ball_position_m, leave the positions of the first "
-            "second or so in it, or choose another recording"
+            f"second or so in it, or choose another recording. {_unused(recording)}".rstrip()
         )
     drive = make_drive(
         recording.time,

@@ -9,6 +9,7 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording.findings import DataFinding, quoted
 from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_of
+from harness.recording.own_files import is_own
 from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
@@ -140,6 +141,7 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
         about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED, "rig-file-ignored")
     else:
         about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE, "no-rig-file")
+    own = _own_files(path) if path.is_dir() else []
     identify = tuple(recordings)
     return Case(
         path=path,
@@ -152,7 +154,7 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
         recordings=recordings,
         identify=identify,
         predict=(),
-        findings=(about_rig, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
+        findings=(about_rig, *own, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
         sha256=None,
     )
 
@@ -168,12 +170,13 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     if content.identify is None or content.predict is None:
         names = tuple(_csv_names(folder))
         text = f"no table [recordings]; all recordings of the folder are used for identification: {', '.join(names)}."
-        return names, (), [DataFinding("note", file.name, text, "all-recordings")]
+        return names, (), [DataFinding("note", file.name, text, "all-recordings"), *_own_files(folder)]
     listed = (*content.identify, *content.predict)
     if not listed:
         raise InputError(f"{file}: [recordings] is empty. Write identify = [{quoted(_csv_names(folder))}].")
     missing = [name for name in listed if not (folder / name).is_file()]
     if missing:
+        _refuse_dead_link(file, folder / missing[0])
         present = _csv_names(folder)
         hint = did_you_mean(missing[0], present)
         raise InputError(
@@ -187,11 +190,30 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     return content.identify, content.predict, []
 
 
+def _refuse_dead_link(file: Path, path: Path) -> None:
+    if path.is_symlink():
+        raise InputError(
+            f"{file}: [recordings] lists '{path.name}', a symbolic link to {path.readlink()}, which does not exist. "
+            "Correct the link, or put the recording there."
+        )
+
+
 def _csv_names(folder: Path) -> list[str]:
-    names = sorted(entry.name for entry in folder.iterdir() if entry.suffix.lower() == ".csv" and entry.is_file())
+    names = sorted(entry.name for entry in _csv_files(folder) if not is_own(entry))
     if not names:
         raise InputError(f"{folder}: contains no CSV recording. Put recordings there, or pass another folder.")
     return names
+
+
+def _csv_files(folder: Path) -> list[Path]:
+    return [entry for entry in folder.iterdir() if entry.suffix.lower() == ".csv" and entry.is_file()]
+
+
+def _own_files(folder: Path) -> list[DataFinding]:
+    """A note on files that the harness wrote, which are not taken for recordings."""
+    own = sorted(entry.name for entry in _csv_files(folder) if is_own(entry))
+    text = f"{quoted(own)}: written by the harness, not recordings; left out. List them in rig.toml if they are meant."
+    return [DataFinding("note", folder.resolve().name, text, "own-files")] if own else []
 
 
 def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where: str) -> list[DataFinding]:
@@ -207,11 +229,16 @@ def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where
     return findings
 
 
+def _no_positions(recording: Recording) -> str:
+    text = "contains no ball positions; it cannot be used for identification."
+    unused = [one.text for one in recording.findings if one.code == "unused-columns"]
+    return " ".join([text, *unused])
+
+
 def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
     """Recordings without positions, then findings of each, located by the name under which it is listed."""
-    text = "contains no ball positions; it cannot be used for identification."
-    without = [recordings[name].name for name in identify if not recordings[name].known.any()]
-    return [DataFinding("warning", name, text, "no-positions") for name in without] + [
+    without = [name for name in identify if not recordings[name].known.any()]
+    return [DataFinding("warning", name, _no_positions(recordings[name]), "no-positions") for name in without] + [
         replace(finding, where=name + finding.where.removeprefix(recording.name))
         for name, recording in recordings.items()
         for finding in recording.findings

@@ -10,6 +10,7 @@ STOPPING: Mapping[str, str] = {
     "angle-sign": "the sign of angle or position is reversed",
     "swapped-columns": "angle and position are exchanged",
     "angle-unit": "the angle is in another unit",
+    "wrapped-angle": "the angle is wrapped at a whole turn",
     "position-unit": "the position is in another unit",
     "time-unit": "the time is in another unit",
     "units": "the ball's acceleration does not fit the tilt, in no known units",

@@ -5,7 +5,8 @@ factor, so a wrong unit shows as a wrong factor. Plain magnitudes are checked on
 """
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ from harness.recording.resolution import inferred_resolution
 from harness.recording.tilt_response import TiltResponse, tilt_response
 
 PLAUSIBLE_SLOPE = (0.2, 1.5)  # K is 0.4 … 0.8; margin for friction, gain errors and noise, below any unit factor
+USUAL_SLOPE = 0.6
 EXCHANGED_SLOPE = (0.4, 0.8)  # K of a rolling ball, without margin
 MIN_CORRELATION, MIN_T_VALUE = 0.8, 6.0  # of a conclusive regression
 STANDARD_GRAVITY = 9.81  # if the rig's is unknown [m/s²]
@@ -34,6 +36,11 @@ UNIT_ERRORS = (
     (math.pi / 180, "angle-unit", "the angle seems to be in degrees, not radians; name its column beam_angle_deg"),
     (1e3, "position-unit", "the position seems to be in millimetres, not metres; name its column ball_position_mm"),
     (1e2, "position-unit", "the position seems to be in centimetres, not metres; name its column ball_position_cm"),
+    (
+        1.0 / 0.0254,
+        "position-unit",
+        "the position seems to be in inches, not metres; multiply it by 0.0254, there is no column in inches",
+    ),
     (
         1e3 * math.pi / 180,
         "units",
@@ -64,6 +71,7 @@ class Signals:
         position: s, NaN if unknown [m].
         outlier: true where the position is a spike.
         rig: what is known of it.
+        units: columns as they are named in advice, such as `beam_angle_deg`, which the recording has.
         sensors: what is declared of them.
     """
 
@@ -72,6 +80,7 @@ class Signals:
     position: FloatArray
     outlier: NDArray[np.bool_]
     rig: KnownRig = field(default_factory=KnownRig)
+    units: Collection[str] = ()
     sensors: Sensors = field(default_factory=Sensors)
 
     @property
@@ -87,6 +96,9 @@ class Signals:
 
 def implausible(signals: Signals) -> list[Implausible]:
     """Warnings, each with observation and remedy; empty for a plausible recording."""
+    wrapped = list(_wrapped(signals))
+    if wrapped:
+        return wrapped
     physics = list(_against_physics(signals))
     plain = [] if physics else list(_implausible_magnitudes(signals))
     outside = [] if physics or plain else list(_off_the_beam(signals))
@@ -128,7 +140,7 @@ def _against_physics(signals: Signals) -> Iterator[Implausible]:
     observed = f"the ball's acceleration is {response.slope:.3g} g α, where a rolling ball has 0.4 to 0.8 g α"
     if not _plausible(size):
         unknown = "units", "check the units of all columns and the gain of the sensors"
-        code, cause = next((error[1:] for error in UNIT_ERRORS if _plausible(size / error[0])), unknown)
+        code, cause = _unit_error(size, signals.units) or unknown
         yield Implausible(code, f"{observed}: {cause}.")
     if response.slope < 0:
         yield Implausible(
@@ -144,6 +156,29 @@ def _rate_text(slope: float, factor: float) -> str:
         f"the ball's acceleration is {slope:.3g} g α, {1.0 / factor**2:.2f} times that of this rig: the recorded times "
         f"seem {length}; check the sampling rate. A sensor whose gain is wrong by as much would look the same."
     )
+
+
+def _unit_error(size: float, units: Collection[str]) -> tuple[str, str] | None:
+    """Code and words of the unit that explains a slope best; a unit that a column has already explains nothing."""
+    possible = [
+        (abs(math.log(size / factor / USUAL_SLOPE)), code, text)
+        for factor, code, text in UNIT_ERRORS
+        if _plausible(size / factor) and not any(re.search(rf"\b{unit}\b", text) for unit in units)
+    ]
+    return min(possible)[1:] if possible else None
+
+
+def _wrapped(signals: Signals) -> Iterator[Implausible]:
+    """An angle that jumps by a turn, or lies a turn away from a beam's."""
+    turn = 2.0 * math.pi
+    across = np.abs(np.abs(np.diff(signals.angle)) - turn) < MAX_ANGLE
+    away = np.all(np.abs(np.abs(signals.angle) - turn) < MAX_ANGLE)
+    if across.any() or away:
+        yield Implausible(
+            "wrapped-angle",
+            f"the angle {'jumps by' if across.any() else 'lies'} a whole turn{'' if across.any() else ' away'}: it is "
+            "wrapped at 360° (2π); subtract a turn from the values above half a turn.",
+        )
 
 
 def _is_conclusive(response: TiltResponse) -> bool:
@@ -177,10 +212,11 @@ def _implausible_magnitudes(signals: Signals) -> Iterator[Implausible]:
         )
     angle = float(np.max(np.abs(signals.angle)))
     if angle > MAX_ANGLE:
+        named = "beam_angle_deg" in signals.units
+        advice = "check the sensor's scale and zero" if named else "if it is in degrees, name its column beam_angle_deg"
         yield Implausible(
             "angle-unit" if angle > UPRIGHT else "large-angle",
-            f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): if it is in degrees, name its column "
-            "beam_angle_deg.",
+            f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): {advice}.",
         )
     positions = signals.positions
     if len(positions) and np.max(np.abs(positions)) > MAX_POSITION:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.recording.columns import QuantityName, find_columns
+from harness.recording.columns import QUANTITIES, QuantityName, find_columns
 from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
@@ -95,7 +95,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     time = channels.pop("time")
     check_order(path, columns["time"].header, time, table.rows)
     time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
-    check_length(path, columns["time"].header, time)
+    check_length(path, columns["time"].header, time, len(table.rows))
     angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)
     position = channels.get("position", np.full(len(time), np.nan))
     velocity = channels.get("velocity")
@@ -117,7 +117,8 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     time, angle, position = (channel[aside.kept].copy() for channel in (time, angle, position))
     outlier, mask = outlier[aside.kept], aside.mask[aside.kept].copy()
     velocity = None if velocity is None else velocity[aside.kept].copy()
-    signals = Signals(time, angle, position, outlier | mask, rig, sensors)
+    names = [QUANTITIES[name].named(one.factor) for name, one in columns.items()]
+    signals = Signals(time, angle, position, outlier | mask, rig, names, sensors)
     findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
     for array in (time, angle, position, outlier, mask, cut, *([] if velocity is None else [velocity])):
         array.setflags(write=False)

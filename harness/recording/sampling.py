@@ -67,12 +67,16 @@ def too_short(time: FloatArray) -> bool:
     return len(time) < MIN_SAMPLES or bool(time[-1] - time[0] < MIN_DURATION)
 
 
-def check_length(path: Path, column: str, time: FloatArray) -> None:
-    """Refuses recordings that are too short to analyse.
+def check_length(path: Path, column: str, time: FloatArray, rows: int) -> None:
+    """Refuses recordings that are too short to analyse; `rows` counts them before equal stamps were merged.
 
     Raises:
         InputError: fewer than 20 samples, or less than 0.5 s.
     """
+    if len(time) < MIN_SAMPLES <= rows:
+        stamps = "all" if len(time) == 1 else f"only {len(time)} different times"
+        same = f"all {rows} rows have the time {time[0]:.9g} s" if len(time) == 1 else f"{stamps} in {rows} rows"
+        raise InputError(f"{place(path, column=column)}: {same}. Record the time of each reading, with enough digits.")
     if len(time) < MIN_SAMPLES:
         raise InputError(f"{path}: only {len(time)} samples; at least {MIN_SAMPLES} are needed. Record for longer.")
     duration = time[-1] - time[0]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.recording import KnownRig, Sensors
 from harness.recording.plausibility import Signals, implausible
@@ -51,6 +53,7 @@ SLIPS = {
     "millimetres": (lambda t, a, s: (t, a, 1e3 * s), "in millimetres"),
     "centimetres": (lambda t, a, s: (t, a, 1e2 * s), "in centimetres"),
     "both": (lambda t, a, s: (t, np.degrees(a), 1e3 * s), "degrees and the position in millimetres"),
+    "inches": (lambda t, a, s: (t, a, s / 0.0254), "in inches"),
     "milliseconds": (lambda t, a, s: (1e3 * t, a, s), "in milliseconds"),
     "microseconds": (lambda t, a, s: (1e6 * t, a, s), "in microseconds"),
     "seconds": (lambda t, a, s: (1e-3 * t, a, s), "in seconds, not milliseconds"),
@@ -78,6 +81,26 @@ def test_degrees_and_sign_together() -> None:
     assert len(found) == 2
     assert "degrees" in found[0].text
     assert "reversed" in found[1].text
+
+
+@pytest.mark.parametrize("turns", [lambda a: a % (2 * np.pi), lambda a: a + 2 * np.pi], ids=("wrapped", "a turn away"))
+def test_a_wrapped_angle_is_told_apart_from_a_unit(turns: Callable[[FloatArray], FloatArray]) -> None:
+    """Say that the angle is wrapped, and not to name its column as it is named."""
+    sound = signals()
+    ((code, text),) = implausible(replace(sound, angle=turns(sound.angle), units=["beam_angle_deg"]))
+    assert code == "wrapped-angle"
+    assert "wrapped at 360°" in text
+
+
+def test_a_unit_that_a_column_has_is_not_advised() -> None:
+    """Do not advise to name a column as it is named already."""
+    sound = signals()
+    for change, unit in (
+        ({"angle": np.degrees(sound.angle)}, "beam_angle_deg"),
+        ({"position": 1e3 * sound.position}, "ball_position_mm"),
+    ):
+        ((_, text),) = implausible(replace(sound, **change, units=[unit]))
+        assert unit not in text
 
 
 @pytest.mark.parametrize(
