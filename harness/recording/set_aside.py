@@ -2,7 +2,8 @@
 
 A stretch in which the position's sensor was stuck, gave zeros, was clipped, or was offset for a while is left out.
 Where an offset stays, rows are lost, or the angle's sensor was stuck, no model can be run across the place: only the
-longest part of the recording without such a place is used.
+longest part of the recording without such a place is used. Behind an offset that stays the position has another origin,
+which acts on the ball as a level would, so that a part before it may be shorter.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from harness.recording.jumps import Jump, jumps
 from harness.recording.sampling import too_short
 from harness.recording.stuck_angle import stuck_angles
 
+SHIFTED = 0.25  # weight of readings behind an offset that stays
 AND_BACK = 0.3  # of a jump, by which the one back may differ from it
 
 _FROZEN = {
@@ -120,11 +122,12 @@ def set_aside(
 
 
 def _longest(breaks: Sequence[_Break], usable: NDArray[np.bool_]) -> slice:
-    """The part between breaks that has the most usable positions."""
+    """The part between breaks that has the most usable positions; those with another origin count less."""
+    shifted = min((one.first for one in breaks if one.code == "jump"), default=len(usable))
     ordered = sorted(breaks, key=lambda one: one.first)
     edges = [0, *(edge for one in ordered for edge in (one.first, one.last)), len(usable)]
     parts = [slice(first, last) for first, last in list(pairwise(edges))[::2]]
-    return max(parts, key=lambda part: int(usable[part].sum()))
+    return max(parts, key=lambda part: usable[part].sum() * (1.0 if part.stop <= shifted else SHIFTED))
 
 
 def _and_back(one: Jump, other: Jump, count: int) -> bool:

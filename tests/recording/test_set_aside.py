@@ -103,6 +103,16 @@ def test_an_offset_that_stays_parts_the_recording(tmp_path: Path, signals: Signa
     assert "Only rows 2-701 are used" in recording.findings[0].text
 
 
+def test_readings_before_an_offset_are_preferred(tmp_path: Path, signals: Signals) -> None:
+    """Use the part before an offset that stays, which has the right origin, unless it is far shorter."""
+    time, angle, position = signals
+    position[500:] += 0.05
+    assert len(loaded(tmp_path, time, angle, position).time) == 500
+    time, angle, position = signals[0], signals[1], simulated()[2].copy()
+    position[100:] += 0.05
+    assert len(loaded(tmp_path, time, angle, position).time) == len(time) - 100
+
+
 def test_an_offset_for_a_while_is_left_out(tmp_path: Path, signals: Signals) -> None:
     """Leave out what lies between a jump and the one back, and use all else."""
     time, angle, position = signals

@@ -143,8 +143,10 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
     figure = plots.drawing(4.3)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
     plots.band(top, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
+    left_out = account.left_out(account.shown)
     known = np.isfinite(reading)
-    plots.signal(top, time[known], reading[known], RECORDED)
+    drawn = known | np.isin(time, left_out[:, 0])  # with gaps where readings are left out
+    plots.signal(top, time[drawn], reading[drawn], RECORDED)
     plots.frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
     errors = [(1e3 * (one.position - reading), look) for one, look in runs]
     # The difference contains the noise of the reading.
@@ -163,9 +165,10 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
             plots.mark_exits(axes, time, values, look)
         axes.set_ylabel(label)
         axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
-    plots.over_time(bottom, time[0], time[-1])
+    whole = np.concatenate((time, left_out[:, 0]))
+    plots.over_time(bottom, float(whole.min()), float(whole.max()))
     entries = [plots.sample(RECORDED, account.measured), *(plots.sample(look) for _, look in runs)]
-    entries += plots.left_out(top, account.left_out(account.shown))
+    entries += plots.left_out(top, left_out)
     figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
     return figure
 
