@@ -40,7 +40,7 @@ class Observed:
 
 
 def _unused(recording: Recording) -> str:
-    return " ".join(one.text for one in recording.findings if one.code == "unused-columns")
+    return " ".join(one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns")
 
 
 def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:

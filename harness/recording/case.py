@@ -231,7 +231,7 @@ def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where
 
 def _no_positions(recording: Recording) -> str:
     text = "contains no ball positions; it cannot be used for identification."
-    unused = [one.text for one in recording.findings if one.code == "unused-columns"]
+    unused = [one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns"]
     return " ".join([text, *unused])
 
 
