@@ -29,8 +29,6 @@ DOCS = Path("docs/reliability.md")
 BEGIN, END = "<!-- detectors: begin -->", "<!-- detectors: end -->"
 FAULTY = 120
 """Simulated recordings that each fault is put into."""
-FLOOR = 0.005
-"""Share of clean recordings with a false alarm that is allowed."""
 
 # What cannot be a false alarm: it says what is there, or what the rig file has not.
 DETECTORS = (
@@ -204,7 +202,7 @@ def false_alarms(samples: Sequence[Sample], folder: Path) -> list[str]:
         high = binomtest(count, len(each)).proportion_ci(0.9).high
         which = Counter(code for one in each for code in one)
         said = ", ".join(f"`{code}` {number}" for code, number in sorted(which.items())) or "–"
-        rows.append(f"| {name} | {len(each)} | {count} | {high:.1%} | {said} |")
+        rows.append(f"| {name} | {len(each)} | {count} | {high:.2%} | {said} |")
     return rows
 
 
@@ -269,7 +267,9 @@ interval.
 {false}
 
 **Power**: recordings in which a fault of this size, at a random place, is noticed by its name. A place where the ball
-rests hides most faults; in noisy recordings at 10 to 20 Hz jumps of centimetres are within what a ball can do.
+rests hides most faults. Of the measured recordings 25 are of 8 s at 19 Hz and ten have a noise of 8 mm, where jumps of
+centimetres are within what ball and sensor do; most of them record a command, which may rest and step, so that a stuck
+angle cannot be told; and of none is the rolling radius known, without which no rate can be.
 
 | fault | simulated | measured |
 |---|---|---|

@@ -24,7 +24,7 @@ def samples() -> list[Sample]:
 def test_sound_recordings_raise_no_alarm(samples: list[Sample], tmp_path: Path) -> None:
     """Count the recordings of each source and of all, and bound the share of alarms: 1 − 0.05^(1/3)."""
     rows = false_alarms(samples, tmp_path)
-    assert rows == ["| made | 3 | 0 | 63.2% | – |", "| all | 3 | 0 | 63.2% | – |"]
+    assert rows == ["| made | 3 | 0 | 63.16% | – |", "| all | 3 | 0 | 63.16% | – |"]
 
 
 @pytest.mark.parametrize("fault", ["position 0 for 0.6 s", "jump of 50 mm, lasting", "sign of the angle", "time in ms"])
