@@ -13,6 +13,12 @@ class InputError(HarnessError):
     exit_code = 2
 
 
+class WorthlessInput(HarnessError):
+    """Input that was read, but contradicts physics so that a verdict on it would be worthless (exit code 1)."""
+
+    exit_code = 1
+
+
 class EngineFailure(HarnessError):
     """A physics engine gave no trustworthy trajectory (exit code 3).
 

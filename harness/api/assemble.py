@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from harness.api.acceptance import findings_of
 from harness.failures import Failed
 from harness.identify.design import proposal
 from harness.identify.design.proposal import Proposal
@@ -20,6 +21,7 @@ from harness.identify.record import (
     EngineRecord,
     ErrorsRecord,
     FailureRecord,
+    FindingRecord,
     InputsRecord,
     LimitsRecord,
     MarginRecord,
@@ -84,6 +86,7 @@ def diagnosis_record(
         ),
         next_experiment=None if found.next_experiment is None else _next_experiment(found.next_experiment),
         failures=failure_records(found.failures),
+        findings=tuple(FindingRecord.model_validate(one) for one in findings_of(case, further)),
         wall_time_s=round(wall_time, 2),
     )
 

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.api.acceptance import check_codes, refuse_worthless
 from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
 from harness.api.outputs import report_folder, write_csv
@@ -19,9 +20,10 @@ from harness.api.saved import LoadedDiagnosis
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.errors import InputError
 from harness.failures import Failures, Part, attempt
-from harness.identify.record import EXPERIMENT, FILE, DiagnosisRecord
+from harness.identify.record import FILE, DiagnosisRecord
 from harness.progress import Progress
 from harness.recording import Recording, load_recording
+from harness.recording.own_files import NEXT_EXPERIMENT
 from harness.recording.source import read_source
 
 if TYPE_CHECKING:
@@ -35,23 +37,25 @@ REPORT = "diagnosis.html"
 
 @dataclass(frozen=True)
 class Asked:
-    """What a diagnosis was asked for, as files: further recordings, effects of the user's own, where to write."""
+    """What a diagnosis was asked for: further recordings, own effects, accepted findings, where to write."""
 
     also: tuple[Path, ...] = ()
     effects: tuple[Path, ...] = ()
     out: Path | None = None
+    accept: tuple[str, ...] = ()
 
     @contextmanager
     def scratch(self, folder: Path, case: CheckedCase, *, force: bool) -> Iterator[Path]:
         """A scratch folder for all files of a diagnosis (`all_or_nothing`)."""
-        names = (FILE, REPORT, EXPERIMENT, *prediction_files(case))
+        names = (FILE, REPORT, NEXT_EXPERIMENT, *prediction_files(case))
         inputs = (*input_files(case), *self.also, *self.effects)
         with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
             yield scratch
 
     def command(self, name: str, *paths: Path, whole: bool = True) -> str:
-        """What is to be typed; with `also` and `out` where it is the `whole`."""
-        options = [("--out", self.out)] if whole and self.out is not None else []
+        """What is to be typed; with `also`, `accept` and `out` where it is the `whole`."""
+        options: list[tuple[str, Path | str]] = [("--out", self.out)] if whole and self.out is not None else []
+        options += [("--accept", code) for code in self.accept if whole]
         options += [("--also", file) for file in self.also if whole]
         options += [("--effects", file) for file in self.effects]
         words = [str(word) for option in options for word in option]
@@ -80,7 +84,7 @@ class Diagnosis(LoadedDiagnosis):
         self.case, self.found, self._asked = case, found, asked or Asked()
 
     def plot(self) -> Figure:
-        """The first recording predicted from its first two seconds, without and with what was found."""
+        """The recording shown in the report predicted from its first two seconds, without and with what was found."""
         from harness.report.diagnosis.account import Account
         from harness.report.diagnosis.verdict import before_after
 
@@ -116,7 +120,7 @@ class Diagnosis(LoadedDiagnosis):
 
         failures = Failures(self.found.failures)
         if self.found.next_experiment is not None:
-            write_csv(pd.DataFrame(self.found.next_experiment.table()), scratch / EXPERIMENT)
+            write_csv(pd.DataFrame(self.found.next_experiment.table()), scratch / NEXT_EXPERIMENT)
         for file, name in prediction_files(self.case).items():
             table = attempt(failures, Part.PREDICTION, name, partial(self.predict, self.case.recordings[name]), None)
             if table is not None:
@@ -147,6 +151,7 @@ def diagnose(
     *,
     also: Sequence[str | Path] = (),
     effects: Sequence[Given] = (),
+    accept: Sequence[str] = (),
     out: str | Path | None = None,
     force: bool = False,
     jobs: int = 1,
@@ -158,6 +163,7 @@ def diagnose(
         case: as of `load_case`, or its path.
         also: further recordings of the rig, with positions, to hold the result against; nothing is fitted to them.
         effects: effects of your own to look for beside the catalogue's, as Python files or as `Effect` objects.
+        accept: codes of findings about the input that would stop the diagnosis, such as `angle-sign`, and are meant so.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
         jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
@@ -167,14 +173,17 @@ def diagnose(
     Raises:
         InputError: the case, a further recording, a file of effects or a file's name cannot be used, or a file is in
             the way; nothing has been written then.
+        WorthlessInput: a finding about the input, such as a reversed sign, makes any verdict worthless.
     """
     begin = time.monotonic()
-    asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out))
+    asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out), tuple(accept))
+    check_codes(asked.accept)
     with beside_catalogue(effects) as own, shown(progress) as tell:
         case = case_of(case)
         hashes = input_hashes(case, asked.effects)
         prediction_files(case)
         further = _further(case, asked.also)
+        refuse_worthless(case, further, asked.accept)
         # Entered first: what cannot be written need not be computed.
         with nullcontext() if asked.out is None else asked.scratch(asked.out, case, force=force) as scratch:
             tell("drives and rig", share=0.0)

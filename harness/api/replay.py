@@ -33,7 +33,7 @@ _AFTER_FITS = ("errors", "baselines", "next_experiment")
 _APART = ("ledger", "fits", "found", "problem", "inputs", "failures", "wall_time_s", "files", "sealed")
 _SPARED = {
     "engines": "errors of the engines (--engines runs them)",
-    "also": "errors on further recordings",
+    "also": "errors on further recordings, and findings about the input",
     "covariance": "standard errors of fits to free runs, on which the intervals rest",
     "failures": "parts that failed, on which what was left out rests",
 }
@@ -175,6 +175,7 @@ def _conclusions(
     found = validate(identified, failures, tell, length=case.rig.length, engines=engines)
     made = diagnosis_record(found, case, record.wall_time_s, hashes)
     spared = {("errors", "also"), *(() if engines else [("errors", "engines")])}
+    spared |= {("findings",)} if record.errors.also else set()
     recorded, now = (one.model_dump(exclude=set(_APART)) for one in (record, made))
     yield from differences(recorded, now, spared)
 

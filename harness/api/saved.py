@@ -21,7 +21,8 @@ from harness.identify.record import (
     read_record,
     unusable,
 )
-from harness.recording import Recording, Sensors, load_recording
+from harness.recording import DataFinding, Recording, Sensors, load_recording
+from harness.recording.findings import warnings_of
 from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
@@ -66,6 +67,11 @@ class LoadedDiagnosis(Summarised):
     def failures(self) -> tuple[FailureRecord, ...]:
         """Engines, candidates, report sections and other parts that failed, without which it was made."""
         return self.record.failures
+
+    @property
+    def findings(self) -> tuple[DataFinding, ...]:
+        """Warnings and notes on the input."""
+        return tuple(one.finding() for one in self.record.findings)
 
     @property
     def sensors(self) -> Sensors:
@@ -166,6 +172,7 @@ class LoadedDiagnosis(Summarised):
         heads = [*texts("predicted by", "over"), "before [mm]", "after [mm]"]
         tables.append(Table("RMS errors, held out", heads, errors))
         lines = [self.sentence]
+        lines += [f"{one.where}: {one.text}" for one in warnings_of(self.findings)]
         lines += map(str, self.failures)
         if self.record.next_experiment is not None:
             lines.append(self.record.next_experiment.sentence.replace("_", " "))

@@ -219,6 +219,13 @@ def run(case: Path | None, **options: Any) -> None:
     "repeatable.",
 )
 @_effects_option
+@click.option(
+    "--accept",
+    multiple=True,
+    metavar="CODE",
+    help="Diagnose in spite of a finding about the input that makes a verdict worthless, such as angle-sign; the "
+    "message names the code; repeatable.",
+)
 @_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
@@ -228,7 +235,8 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
     paper_protocol (simulated) or open_ball_beam (measured). Writes diagnosis.json and diagnosis.html, prediction_*.csv
     for every recording that rig.toml lists to predict, and next_experiment.csv, the beam angle [rad] to record next, if
     one is proposed. Values are in SI units. If an engine, a candidate or a section of the report fails, the rest is
-    written, and the exit code is 3.
+    written, and the exit code is 3. Input that contradicts physics (a reversed sign, exchanged columns, wrong units) is
+    refused with exit code 1.
 
     \b
     Examples:
@@ -241,11 +249,13 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
     from harness.api.diagnosis import diagnose as find
     from harness.api.outputs import report_folder
     from harness.identify.record import FILE
+    from harness.recording.findings import warnings_of
 
     folder = out or report_folder(case)
     made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=True, **options)
     files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
-    click.echo(made.record.text() if as_json else f"{made.sentence}\n{files}")
+    warnings = "".join(f"  {one}\n" for one in warnings_of(made.findings))
+    click.echo(made.record.text() if as_json else f"{made.sentence}\n{warnings}{files}")
     for one in made.failures:
         click.echo(f"error: {one}", err=True)
     sys.exit(3 if made.failures else 0)

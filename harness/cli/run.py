@@ -11,6 +11,7 @@ import click
 from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
 from harness.recording.case import BUNDLED
+from harness.recording.findings import warnings_of
 
 
 def run_case(
@@ -87,9 +88,7 @@ def _as_text(made: Comparison, folder: Path) -> str:
     lines = [
         f"{setting.recording.path} ({setting.case.origin})" if setting.case.origin else str(setting.recording.path)
     ]
-    lines += [
-        f"  {one.severity}: {one.where}: {one.text}" for one in setting.case.findings if one.severity == "warning"
-    ]
+    lines += [f"  {one}" for one in warnings_of(setting.case.findings)]
     for one in setting.estimates:
         error = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # an assumed value has none
         unit = "" if one.unit == "1" else f" {one.unit}"

@@ -25,9 +25,11 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
         InputError: no recording has positions enough, the rig cannot be completed, or a declared effect is not in the
             catalogue.
     """
-    names = [name for name in (names or case.identify) if int(case.recordings[name].known.sum()) >= _FEWEST]
+    names = [name for name in (names or case.identify) if int(case.recordings[name].usable.sum()) >= _FEWEST]
     if not names:
-        raise InputError(f"{case.path}: no recording to identify from has {_FEWEST} known positions or more")
+        why = [f"{one.where}: {one.text}" for one in case.findings if one.code == "no-positions"]
+        text = f"{case.path}: no recording to identify from has {_FEWEST} known positions or more."
+        raise InputError(" ".join([text, *why]))
     declared = declared_effects(case)
     rig = complete_rig(case, case.recordings[names[0]]).rig
     every = [observe(case.recordings[name], case.sensors, rig) for name in names]

@@ -20,12 +20,11 @@ from analytic.slots import MOST_NODES
 from harness.errors import InputError
 from harness.failures import described
 from harness.provenance import SEAL, seal_of
+from harness.recording.findings import DataFinding
 
 SCHEMA = 3
 """Version of the format."""
 FILE = "diagnosis.json"
-EXPERIMENT = "next_experiment.csv"
-"""The proposed beam motion, beside it."""
 SCHEMA_FILE = Path(__file__).parents[1] / "data" / "diagnosis.schema.json"
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
@@ -440,6 +439,19 @@ class FailureRecord(Part):
         return described(self.part, self.name, self.message, self.where)
 
 
+class FindingRecord(Part):
+    """A warning or note on the input, as `harness.recording.DataFinding`; `code` is its short, stable name."""
+
+    severity: Literal["warning", "note"]
+    where: str
+    text: str
+    code: str
+
+    def finding(self) -> DataFinding:
+        """The same as the recording layer has it."""
+        return DataFinding(self.severity, self.where, self.text, self.code)
+
+
 class DiagnosisRecord(Part):
     """diagnosis.json."""
 
@@ -459,6 +471,7 @@ class DiagnosisRecord(Part):
     inputs: InputsRecord
     next_experiment: NextExperimentRecord | None
     failures: tuple[FailureRecord, ...] = ()
+    findings: tuple[FindingRecord, ...] = ()
     wall_time_s: Finite
     files: dict[str, str] = Field(default={}, description="SHA-256 of the files written with it.")
     sealed: str = Field(default="", description="SHA-256 of the canonical JSON of all the rest.")

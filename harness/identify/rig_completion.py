@@ -102,10 +102,15 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     if not (wanted or level):
         return CompletedRig(rough, None, assumed)
     others = (case.recordings[name] for name in case.identify if name != first.name)
-    used = (first, *(one for one in others if int(one.known.sum()) >= MIN_POSITIONS))
+    used = (first, *(one for one in others if int(one.usable.sum()) >= MIN_POSITIONS))
     problem = Problem.of([observe(one, case.sensors, rough) for one in used], rough, declared_effects(case))
     ratio, lever = "ratio" in wanted, "lever" in wanted
     fitted = fit_rig(problem, ratio=ratio, level=level, lever=lever)
+    if not all(map(math.isfinite, (fitted.ratio, fitted.level, fitted.lever))):
+        raise InputError(
+            f"{case.path}: the recordings do not determine rolling ratio K, level angle and lever of this rig. "
+            "Add what is known of it to rig.toml ([ball], [beam]), or record longer, with more positions."
+        )
     if fitted.ratio < _MIN_ROLLING_RATIO:
         raise InputError(
             f"the recordings show a ball that does not roll down the recorded angle (K = {fitted.ratio:.2f} ± "

@@ -35,8 +35,12 @@ class Observed:
 
     @property
     def reading(self) -> FloatArray:
-        """Positions, NaN where unknown or a spike, shape (n,) [m]."""
+        """Positions, NaN where unknown, set aside or a spike, shape (n,) [m]."""
         return np.where(self.ball.trusted, self.recording.position, np.nan)
+
+
+def _unused(recording: Recording) -> str:
+    return " ".join(one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns")
 
 
 def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
@@ -50,12 +54,12 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
     Raises:
         InputError: fewer than three positions are known.
     """
-    count = int(recording.known.sum())
+    count = int(recording.usable.sum())
     if count < MIN_POSITIONS:
         raise InputError(
             f"{recording.path}: {MIN_POSITIONS} known ball positions are needed to estimate the start state, {count} "
             "are known; check that the column is there and named ball_position_m, leave the positions of the first "
-            "second or so in it, or choose another recording"
+            f"second or so in it, or choose another recording. {_unused(recording)}".rstrip()
         )
     drive = make_drive(
         recording.time,
@@ -64,7 +68,6 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
         noise=sensors.angle_noise,
     )
     resolution = sensors.position_resolution or inferred_resolution(recording.position)
-    ball = estimate_ball(
-        recording.time, recording.position, drive, rig, noise=sensors.position_noise, resolution=resolution
-    )
+    position = np.where(recording.usable, recording.position, np.nan)
+    ball = estimate_ball(recording.time, position, drive, rig, noise=sensors.position_noise, resolution=resolution)
     return Observed(recording, drive, ball, math.hypot(ball.noise, (resolution or 0.0) / math.sqrt(12.0)))

@@ -1,6 +1,6 @@
 """A case: a folder with `rig.toml` and recordings, or one recording of the paper's rig."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,6 +9,7 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording.findings import DataFinding, quoted
 from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_of
+from harness.recording.own_files import is_own
 from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
@@ -60,6 +61,11 @@ class Case:
     def name(self) -> str:
         """For headings and folders."""
         return case_name(self.path)
+
+    def findings_on(self, names: Collection[str]) -> tuple[DataFinding, ...]:
+        """Findings on these recordings, and on the rig file or the case as a whole."""
+        others = [name for name in self.recordings if name not in names]
+        return tuple(one for one in self.findings if not any(f"{one.where},".startswith(f"{name},") for name in others))
 
     @property
     def simulated(self) -> bool:
@@ -140,9 +146,10 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     recordings = {file.name: load_recording(file, rig=rig) for file in files}
     where = path.resolve().name  # "." has no name of its own
     if path.is_file() and (path.parent / RIG_FILE).exists():
-        about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED)
+        about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED, "rig-file-ignored")
     else:
-        about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE)
+        about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE, "no-rig-file")
+    own = _own_files(path) if path.is_dir() else []
     identify = tuple(recordings)
     return Case(
         path=path,
@@ -155,7 +162,7 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
         recordings=recordings,
         identify=identify,
         predict=(),
-        findings=(about_rig, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
+        findings=(about_rig, *own, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
         sha256=None,
     )
 
@@ -171,12 +178,13 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     if content.identify is None or content.predict is None:
         names = tuple(_csv_names(folder))
         text = f"no table [recordings]; all recordings of the folder are used for identification: {', '.join(names)}."
-        return names, (), [DataFinding("note", file.name, text)]
+        return names, (), [DataFinding("note", file.name, text, "all-recordings"), *_own_files(folder)]
     listed = (*content.identify, *content.predict)
     if not listed:
         raise InputError(f"{file}: [recordings] is empty. Write identify = [{quoted(_csv_names(folder))}].")
     missing = [name for name in listed if not _holds((folder / name).is_file)]
     if missing:
+        _refuse_dead_link(file, folder / missing[0])
         present = _csv_names(folder)
         hint = did_you_mean(missing[0], present)
         raise InputError(
@@ -190,11 +198,30 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
     return content.identify, content.predict, []
 
 
+def _refuse_dead_link(file: Path, path: Path) -> None:
+    if path.is_symlink():
+        raise InputError(
+            f"{file}: [recordings] lists '{path.name}', a symbolic link to {path.readlink()}, which does not exist. "
+            "Correct the link, or put the recording there."
+        )
+
+
 def _csv_names(folder: Path) -> list[str]:
-    names = sorted(entry.name for entry in folder.iterdir() if entry.suffix.lower() == ".csv" and entry.is_file())
+    names = sorted(entry.name for entry in _csv_files(folder) if not is_own(entry))
     if not names:
         raise InputError(f"{folder}: contains no CSV recording. Put recordings there, or pass another folder.")
     return names
+
+
+def _csv_files(folder: Path) -> list[Path]:
+    return [entry for entry in folder.iterdir() if entry.suffix.lower() == ".csv" and entry.is_file()]
+
+
+def _own_files(folder: Path) -> list[DataFinding]:
+    """A note on files that the harness wrote, which are not taken for recordings."""
+    own = sorted(entry.name for entry in _csv_files(folder) if is_own(entry))
+    text = f"{quoted(own)}: written by the harness, not recordings; left out. List them in rig.toml if they are meant."
+    return [DataFinding("note", folder.resolve().name, text, "own-files")] if own else []
 
 
 def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where: str) -> list[DataFinding]:
@@ -205,16 +232,21 @@ def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where
         if sha256 in first:
             same = "is listed twice" if first[sha256] == name else f"and {first[sha256]} are the same file"
             text = f"{name} {same}; use each recording once, and do not predict a recording used for identification."
-            findings.append(DataFinding("warning", where, text))
+            findings.append(DataFinding("warning", where, text, "duplicate"))
         first.setdefault(sha256, name)
     return findings
 
 
+def _no_positions(recording: Recording) -> str:
+    text = "contains no ball positions; it cannot be used for identification."
+    unused = [one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns"]
+    return " ".join([text, *unused])
+
+
 def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
     """Recordings without positions, then findings of each, located by the name under which it is listed."""
-    text = "contains no ball positions; it cannot be used for identification."
-    without = [recordings[name].name for name in identify if not recordings[name].known.any()]
-    return [DataFinding("warning", name, text) for name in without] + [
+    without = [name for name in identify if not recordings[name].known.any()]
+    return [DataFinding("warning", name, _no_positions(recordings[name]), "no-positions") for name in without] + [
         replace(finding, where=name + finding.where.removeprefix(recording.name))
         for name, recording in recordings.items()
         for finding in recording.findings

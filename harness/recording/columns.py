@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from harness.recording.findings import DataFinding, place, quoted
 QuantityName = Literal["time", "angle", "position", "velocity"]
 
 DEGREE = math.pi / 180
+MAX_NAMES = 20  # of columns in one message
 NEEDED: tuple[QuantityName, ...] = ("time", "angle")
 
 
@@ -37,6 +39,10 @@ class Quantity:
     def si(self) -> str:
         """The SI unit as spelled in a column name."""
         return next(iter(self.units))
+
+    def named(self, factor: float) -> str:
+        """The column name with the unit of this conversion factor."""
+        return f"{self.name}_{next(unit for unit, each in self.units.items() if each == factor)}"
 
 
 QUANTITIES: Mapping[QuantityName, Quantity] = {
@@ -101,7 +107,7 @@ def find_columns(
         InputError: a required column is missing or ambiguous, has an unknown unit, or is probably misspelt.
     """
     where = place(path, header_row)
-    repeated = sorted({name for name in header if name and header.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(header).items() if name and count > 1)
     if repeated:
         raise InputError(f"{where}: column {quoted(repeated)} occurs more than once. Rename or delete one of them.")
     found: dict[QuantityName, Column] = {}
@@ -119,11 +125,17 @@ def find_columns(
         found[name] = chosen
         if not chosen.unit:
             text = f"has no unit and is read as {quantity.column}; add the unit to the name."
-            findings.append(DataFinding("note", place(path.name, header_row, chosen.header), text))
+            # The time's unit shows in the length of a recording; that of an angle does not.
+            severity: Literal["warning", "note"] = "warning" if name == "angle" else "note"
+            findings.append(DataFinding(severity, place(path.name, header_row, chosen.header), text, "no-unit"))
     unused = [name for index, name in enumerate(header) if index not in {column.index for column in found.values()}]
     _refuse_missing(where, header, unused, found)
     if unused:
-        findings.append(DataFinding("note", place(path.name, header_row), f"columns not used: {quoted(unused)}."))
+        text = f"columns not used: {quoted(unused[:MAX_NAMES])}{' and others' if len(unused) > MAX_NAMES else ''}."
+        if "position" not in found:
+            column = QUANTITIES["position"].column
+            text += f" If one of them holds the ball's position, name it {column}, with the unit at the end."
+        findings.append(DataFinding("note", place(path.name, header_row), text, "unused-columns"))
     return found, findings
 
 

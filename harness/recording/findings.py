@@ -1,10 +1,23 @@
 """Warnings and notes on input that was read successfully."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 MAX_PLACES = 5  # rows named in one message
+
+STOPPING: Mapping[str, str] = {
+    "angle-sign": "the sign of angle or position is reversed",
+    "swapped-columns": "angle and position are exchanged",
+    "angle-unit": "the angle is in another unit",
+    "wrapped-angle": "the angle is wrapped at a whole turn",
+    "position-unit": "the position is in another unit",
+    "time-unit": "the time is in another unit",
+    "units": "the ball's acceleration does not fit the tilt, in no known units",
+    "rate": "the time stamps are too fast or too slow for this rig",
+    "density": "no ball has this mass and radius",
+}
+"""Codes of findings that make a verdict worthless, with their meaning: they stop a diagnosis unless accepted."""
 
 
 @dataclass(frozen=True)
@@ -15,11 +28,28 @@ class DataFinding:
         severity: `warning` if it may make a result wrong, else `note`.
         where: file, with row and column if they apply.
         text: what was found, and the remedy.
+        code: short name of what was found, the same in every version.
     """
 
     severity: Literal["warning", "note"]
     where: str
     text: str
+    code: str
+
+    @property
+    def stops(self) -> bool:
+        """Whether a diagnosis of this input is worthless unless the finding is accepted."""
+        return self.code in STOPPING
+
+    def __str__(self) -> str:
+        return f"{self.severity}: {self.where}: {self.text} [{self.code}]"
+
+
+def warnings_of(findings: Iterable[DataFinding]) -> tuple[DataFinding, ...]:
+    """Those that may make a result wrong; what stops a diagnosis comes first."""
+    return tuple(
+        sorted((one for one in findings if one.severity == "warning"), key=lambda one: one.code not in STOPPING)
+    )
 
 
 def place(file: object, row: int | None = None, column: str | None = None) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.recording.columns import QuantityName, find_columns
+from harness.recording.columns import QUANTITIES, QuantityName, find_columns
 from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
@@ -20,6 +20,7 @@ from harness.recording.sampling import (
     merge_duplicates,
     sampling_findings,
 )
+from harness.recording.set_aside import set_aside
 from harness.recording.source import read_source
 from harness.recording.table import numbers_of, read_table
 
@@ -38,6 +39,8 @@ class Recording:
         position: s, NaN if unknown; outliers are kept [m].
         velocity: ṡ, NaN if unknown; `None` if it was not recorded [m/s].
         outlier: true where the position is a spike.
+        set_aside: true where the position is left out of every fit, as its sensor was wrong there.
+        cut_off: stamps [s] and positions [m] before and after these n, from which a fault parts them; shape (k, 2).
         findings: warnings and notes on the data.
         sha256: of the file's bytes.
     """
@@ -49,6 +52,8 @@ class Recording:
     position: FloatArray
     velocity: FloatArray | None
     outlier: NDArray[np.bool_]
+    set_aside: NDArray[np.bool_]
+    cut_off: FloatArray
     findings: tuple[DataFinding, ...]
     sha256: str
 
@@ -56,6 +61,16 @@ class Recording:
     def known(self) -> NDArray[np.bool_]:
         """Where the position is known, shape (n,)."""
         return np.isfinite(self.position)
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Where the position is known and not set aside, shape (n,)."""
+        return self.known & ~self.set_aside
+
+    @property
+    def left_out(self) -> FloatArray:
+        """Stamps [s] and positions [m] of all readings that are left out, shape (k, 2)."""
+        return np.concatenate((self.cut_off, np.column_stack((self.time, self.position))[self.set_aside]))
 
 
 def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Sensors | None = None) -> Recording:
@@ -80,7 +95,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     time = channels.pop("time")
     check_order(path, columns["time"].header, time, table.rows)
     time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
-    check_length(path, columns["time"].header, time)
+    check_length(path, columns["time"].header, time, len(table.rows))
     angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)
     position = channels.get("position", np.full(len(time), np.nan))
     velocity = channels.get("velocity")
@@ -89,15 +104,27 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     rig, sensors = rig or KnownRig(), sensors or Sensors()
     resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
     steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level error and track slope may add a degree
-    outlier = spikes(time, position, resolution=resolution, acceleration=(rig.gravity or STANDARD_GRAVITY) * steepest)
+    fastest = (rig.gravity or STANDARD_GRAVITY) * steepest
+    outlier = spikes(time, position, resolution=resolution, acceleration=fastest)
+    aside = set_aside(time, angle, position, outlier, rows, resolution=resolution, acceleration=fastest)
     findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
     if "position" in columns:
         findings += _position_findings(path, columns["position"].header, position, outlier, rows)
-    signals = Signals(time, angle, position, outlier, rig, sensors)
-    findings += [DataFinding("warning", path.name, text) for text in implausible(signals)]
-    for array in (time, angle, position, outlier, *([] if velocity is None else [velocity])):
+    for one in aside.faults:
+        where = place(path.name, column=columns[one.channel].header)
+        findings.append(DataFinding("warning", where, one.text, one.code))
+    cut = np.delete(np.column_stack((time, position)), aside.kept, axis=0)
+    time, angle, position = (channel[aside.kept].copy() for channel in (time, angle, position))
+    outlier, mask = outlier[aside.kept], aside.mask[aside.kept].copy()
+    velocity = None if velocity is None else velocity[aside.kept].copy()
+    names = [QUANTITIES[name].named(one.factor) for name, one in columns.items()]
+    signals = Signals(time, angle, position, outlier | mask, rig, names, sensors)
+    findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
+    for array in (time, angle, position, outlier, mask, cut, *([] if velocity is None else [velocity])):
         array.setflags(write=False)
-    return Recording(path.name, path, time, angle, position, velocity, outlier, tuple(findings), source.sha256)
+    return Recording(
+        path.name, path, time, angle, position, velocity, outlier, mask, cut, tuple(findings), source.sha256
+    )
 
 
 def _angle_findings(
@@ -110,7 +137,7 @@ def _angle_findings(
         f"{int(spike.sum())} of {len(angle)} angles are outliers ({rows_text(rows[spike])}). They "
         "are used unchanged to drive the models; leave these cells blank to have them interpolated."
     )
-    return [DataFinding("warning", place(path.name, column=column), text)]
+    return [DataFinding("warning", place(path.name, column=column), text, "angle-outliers")]
 
 
 def _position_findings(
@@ -121,11 +148,11 @@ def _position_findings(
     known = np.isfinite(position)
     if not known.all():
         text = f"unknown in {int((~known).sum())} of {len(known)} rows ({rows_text(rows[~known])})."
-        findings.append(DataFinding("note", where, text))
+        findings.append(DataFinding("note", where, text, "blank-positions"))
     if outlier.any():
         text = (
             f"{int(outlier.sum())} of {int(known.sum())} positions are outliers ({rows_text(rows[outlier])}). They are "
             "kept and marked; check the sensor."
         )
-        findings.append(DataFinding("warning", where, text))
+        findings.append(DataFinding("warning", where, text, "position-outliers"))
     return findings

@@ -1,5 +1,6 @@
 """Reads `rig.toml`: schema, validation with remedies, conversion to `KnownRig`, `Sensors` and `Declared`."""
 
+import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from harness.recording.known_rig import Declared, KnownRig, Sensors
 from harness.recording.source import read_source
 
 Positive = Annotated[float, Field(gt=0.0)]
+DENSITIES = (10.0, 23_000.0)  # kg/m³: foam, and above osmium
 NotNegative = Annotated[float, Field(ge=0.0)]
 
 
@@ -128,6 +130,13 @@ def read_rig_file(path: Path) -> RigFile:
         rig = KnownRig(**{name: value for part in parts for name, value in part})
     except RigError as error:
         raise InputError(f"{path}: impossible rig: {error}. Correct the values or their units.") from None
+    names = [one.name for one in content.declared]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(
+            f"{path}: [[declared]] lists '{twice}' {names.count(twice)} times, and effects add up. Declare it "
+            "once, with the values that act."
+        )
     listed = content.recordings
     return RigFile(
         origin=content.origin,
@@ -149,15 +158,23 @@ def _findings(path: Path, rig: KnownRig) -> list[DataFinding]:
         )
         if rig.inertia is None and rig.mass is not None and rig.radius is not None:
             text += " For a solid ball, add inertia_kg_m2 = 2/5 m R² to [ball]."
-        findings.append(DataFinding("note", path.name, text))
+        findings.append(DataFinding("note", path.name, text, "unknown-quantities"))
     if rig.inertia is not None and rig.mass is not None and rig.radius is not None:
         ratio = rig.inertia / (rig.mass * rig.radius**2)
         if not 0.3 <= ratio <= 0.7:
             text = f"is {ratio:.3g} m R²; a solid ball has 0.4, a thin shell 0.667. Check mass, radius and inertia."
-            findings.append(DataFinding("warning", f"{path.name}, [ball] inertia_kg_m2", text))
+            findings.append(DataFinding("warning", f"{path.name}, [ball] inertia_kg_m2", text, "inertia"))
+    if rig.mass is not None and rig.radius is not None:
+        density = rig.mass / (4.0 / 3.0 * math.pi * rig.radius**3)
+        if not DENSITIES[0] <= density <= DENSITIES[1]:
+            text = (
+                f"{rig.mass:g} kg in a ball of radius {rig.radius:g} m is a density of {density:.3g} kg/m³; steel "
+                "has 7800, a table-tennis ball 80. Check the units of mass and radius."
+            )
+            findings.append(DataFinding("warning", f"{path.name}, [ball]", text, "density"))
     if rig.gravity is not None and not 9.7 <= rig.gravity <= 9.9:
         text = f"is {rig.gravity:g} m/s²; on Earth it lies between 9.76 and 9.84."
-        findings.append(DataFinding("warning", f"{path.name}, [environment] gravity_m_s2", text))
+        findings.append(DataFinding("warning", f"{path.name}, [environment] gravity_m_s2", text, "gravity"))
     return findings
 
 

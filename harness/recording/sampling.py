@@ -59,15 +59,24 @@ def merge_duplicates(
     repeated = rows[np.setdiff1d(np.arange(len(time)), first)]
     advice = " The time stamps have too few digits; record them with more." if counts.mean() > 1.2 else ""
     text = f"{len(repeated)} rows repeat a time stamp ({rows_text(repeated)}); their values are averaged."
-    return stamps, rows[first], merged, [DataFinding("warning", path.name, text + advice)]
+    return stamps, rows[first], merged, [DataFinding("warning", path.name, text + advice, "equal-stamps")]
 
 
-def check_length(path: Path, column: str, time: FloatArray) -> None:
-    """Refuses recordings that are too short to analyse.
+def too_short(time: FloatArray) -> bool:
+    """Whether stamps, shape (n,) [s], are fewer or span less than a recording needs."""
+    return len(time) < MIN_SAMPLES or bool(time[-1] - time[0] < MIN_DURATION)
+
+
+def check_length(path: Path, column: str, time: FloatArray, rows: int) -> None:
+    """Refuses recordings that are too short to analyse; `rows` counts them before equal stamps were merged.
 
     Raises:
         InputError: fewer than 20 samples, or less than 0.5 s.
     """
+    if len(time) < MIN_SAMPLES <= rows:
+        stamps = "all" if len(time) == 1 else f"only {len(time)} different times"
+        same = f"all {rows} rows have the time {time[0]:.9g} s" if len(time) == 1 else f"{stamps} in {rows} rows"
+        raise InputError(f"{place(path, column=column)}: {same}. Record the time of each reading, with enough digits.")
     if len(time) < MIN_SAMPLES:
         raise InputError(f"{path}: only {len(time)} samples; at least {MIN_SAMPLES} are needed. Record for longer.")
     duration = time[-1] - time[0]
@@ -105,7 +114,8 @@ def bridge_angle(
                 f"{longest:.3g} s can be interpolated. Split the recording there."
             )
     text = f"{int(blank.sum())} blank angles filled by linear interpolation ({rows_text(rows[blank])})."
-    return np.interp(time, time[known], angle[known]), [DataFinding("warning", place(path.name, column=column), text)]
+    finding = DataFinding("warning", place(path.name, column=column), text, "blank-angles")
+    return np.interp(time, time[known], angle[known]), [finding]
 
 
 def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[DataFinding]:
@@ -119,7 +129,7 @@ def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[
         text = (
             f"samples are missing: {places}{more}; the median step is {median:.3g} s. The beam angle in these gaps is "
         )
-        yield DataFinding("warning", path.name, text + "unknown; split the recording at long gaps.")
+        yield DataFinding("warning", path.name, text + "unknown; split the recording at long gaps.", "gaps")
     even = steps[steps <= GAP * median]
     if np.max(np.abs(even - median)) > MAX_JITTER * median:
         yield DataFinding(
@@ -127,4 +137,5 @@ def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[
             path.name,
             f"sampling is uneven: median step {median:.4g} s, {np.min(even):.4g} to {np.max(even):.4g} s, standard "
             f"deviation {100 * np.std(even) / median:.2g} % of the median. The time stamps are used unchanged.",
+            "uneven-sampling",
         )

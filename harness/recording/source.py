@@ -2,6 +2,7 @@
 
 import codecs
 import hashlib
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +29,9 @@ def read_source(path: Path) -> Source:
         InputError: the file cannot be read or is not text.
     """
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # reading a pipe or a device may never end
+            kind = "a folder" if path.is_dir() else "a pipe or a device"
+            raise InputError(f"{path}: {kind}, not a file. Save the data in a file, and pass that.")
         raw = path.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file. Check the path.") from None

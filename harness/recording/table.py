@@ -13,6 +13,7 @@ from harness.errors import InputError
 from harness.recording.findings import place, rows_text
 
 SEPARATORS = (";", "\t", ",")  # in this order: a comma may also be a decimal mark
+MAX_COLUMNS = 1000  # of a logger's export; more are a table that is written along its rows
 MAX_VALUE = 1e20  # above nanoseconds since 1970, below the 1e38 that loggers write for "no value"
 MISSING = ("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--")
 
@@ -64,6 +65,11 @@ def read_table(path: Path, text: str) -> Table:
         raise InputError(
             f"{place(path, kept[0][0])}: no separator in '{kept[0][1].strip()[:60]}'. "
             "Separate the columns by comma, semicolon or tab."
+        )
+    if kept[0][1].count(separator) >= MAX_COLUMNS:
+        raise InputError(
+            f"{place(path, kept[0][0])}: {kept[0][1].count(separator) + 1} columns; at most {MAX_COLUMNS} are read. "
+            "Write one row per reading, with columns for time, beam angle and ball position."
         )
     cells = _split(path, kept, separator)
     rows = [row for row, _ in kept]

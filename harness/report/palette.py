@@ -9,6 +9,7 @@ from harness.formatting import listed
 
 MEASURED_COLOUR = "#111111"
 UNCERTAINTY_COLOUR = "#9aa3ad"
+LEFT_OUT_COLOUR = "#b0413e"
 INK = "#1c2733"  # as in report.mplstyle
 
 

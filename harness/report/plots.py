@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.formatting import brief
-from harness.report.palette import INK, UNCERTAINTY_COLOUR, Look
+from harness.report.palette import INK, LEFT_OUT_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
 _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
@@ -108,6 +108,16 @@ def sample(look: Look, label: str = "") -> Line2D:
     if look.dash:
         entry.set_dashes(look.dash)
     return entry
+
+
+def left_out(axes: Axes, readings: FloatArray) -> list[Line2D]:
+    """Draws readings that are left out of all fits, `time [s], position [m]`, shape (k, 2); legend entries."""
+    if not len(readings):
+        return []
+    thin = readings[:: thinning(len(readings))]
+    (drawn,) = axes.plot(thin[:, 0], thin[:, 1], "x", color=LEFT_OUT_COLOUR, markersize=3.0, zorder=2)
+    drawn.set_label("left out of all fits")
+    return [drawn]
 
 
 def band(axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray) -> None:

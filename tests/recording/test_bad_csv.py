@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -89,6 +90,15 @@ BAD: dict[str, tuple[Callable[[], str], tuple[str, ...]]] = {
         lambda: csv_text({"time_ms": TIME, "time_us": TIME, "beam_angle_rad": ANGLE}),
         ("'time_ms', 'time_us'", "all match the time"),
     ),
+    "equal stamps": (
+        columns(time_s=np.zeros(len(TIME))),
+        ("'time_s'", "all 1201 rows have the time 0 s", "each reading"),
+    ),
+    "stamps in whole seconds": (columns(time_s=np.floor(TIME)), ("only 13 different times in 1201 rows", "digits")),
+    "far too many columns": (
+        lambda: "\n".join([",".join(f"c{i}" for i in range(100_000)), ",".join(["0"] * 100_000)]),
+        ("row 1", "100000 columns", "at most 1000"),
+    ),
     "few samples": (lambda: "\n".join(LINES[:16]), ("only 15 samples", "20")),
     "seconds under ms": (renamed(time_s="time_ms"), ("'time_ms'", "only 0.012 s long", "unit")),
     "angle missing": (columns(beam_angle_rad=np.full(len(TIME), np.nan)), ("'beam_angle_rad'", "no numbers")),
@@ -129,6 +139,13 @@ def test_no_file(tmp_path: Path) -> None:
     """Name the file that is not there."""
     with pytest.raises(InputError, match=r"gone\.csv: there is no such file"):
         load_recording(tmp_path / "gone.csv")
+
+
+def test_a_pipe_is_refused(tmp_path: Path) -> None:
+    """Refuse at once what might never end."""
+    os.mkfifo(tmp_path / "rec.csv")
+    with pytest.raises(InputError, match=r"rec\.csv: a pipe or a device, not a file\. Save the data"):
+        load_recording(tmp_path / "rec.csv")
 
 
 def test_rows_count_like_an_editor(tmp_path: Path) -> None:

@@ -94,6 +94,36 @@ def test_stray_csv_without_lists(folder: Path) -> None:
         load_case(folder)
 
 
+def test_own_files_are_no_recordings(folder: Path) -> None:
+    """Leave out what the harness wrote beside the recordings, and say so."""
+    (folder / "rig.toml").write_text("[ball]\nmass_kg = 0.071\n", encoding="utf-8")
+    write(folder / "next_experiment.csv")
+    (folder / "b_predicted.csv").write_text("time_s,ball_position_m,low_m,high_m\n0,0.3,0.2,0.4\n", encoding="utf-8")
+    (folder / "trajectories.csv").write_text("time_s,measured_m,cam\n0,0.3,0.3\n", encoding="utf-8")
+    (folder / "metrics.csv").write_text("source,horizon,rms_error_m\ncam,whole,0.001\n", encoding="utf-8")
+    for named in (folder / "rig.toml", folder):
+        case = load_case(named)
+        assert case.identify == ("a.csv", "b.csv")
+        (finding,) = [one for one in case.findings if one.code == "own-files"]
+        assert "'b_predicted.csv', 'metrics.csv', 'next_experiment.csv', 'trajectories.csv'" in finding.text
+        (folder / "rig.toml").unlink(missing_ok=True)
+
+
+def test_an_own_file_may_be_listed(folder: Path) -> None:
+    """Take what is listed for a recording, whatever its name."""
+    write(folder / "next_experiment.csv")
+    (folder / "rig.toml").write_text('[recordings]\nidentify = ["next_experiment.csv"]\n', encoding="utf-8")
+    assert load_case(folder).identify == ("next_experiment.csv",)
+
+
+def test_a_dead_link_is_named(folder: Path) -> None:
+    """Say where a symbolic link points that leads nowhere, instead of offering its own name."""
+    (folder / "a.csv").unlink()
+    (folder / "a.csv").symlink_to("moved/a.csv")
+    with pytest.raises(InputError, match=r"'a\.csv', a symbolic link to moved/a\.csv, which does not exist"):
+        load_case(folder)
+
+
 def test_missing_recording(folder: Path) -> None:
     """Name the missing recording, and an existing one with a similar name."""
     (folder / "rig.toml").write_text('[recordings]\nidentify = ["a.cvs"]\n', encoding="utf-8")
@@ -140,6 +170,14 @@ def test_identifying_without_positions(folder: Path) -> None:
     del columns["ball_position_m"]
     write(folder / "a.csv", columns)
     assert any("cannot be used for identification" in text for text in warnings(load_case(folder)))
+
+
+def test_positions_under_another_name(folder: Path) -> None:
+    """Name the column that may hold the positions where none are found."""
+    columns = contract_columns()
+    columns["Distance (cm)"] = columns.pop("ball_position_m")
+    write(folder / "a.csv", columns)
+    assert any("'Distance (cm)'" in text for text in warnings(load_case(folder)))
 
 
 def test_empty_folder(tmp_path: Path) -> None:

@@ -90,6 +90,20 @@ def test_missing_unit_is_said() -> None:
     assert "time_s" in findings[0].text
 
 
+def test_an_angle_without_a_unit_is_a_warning() -> None:
+    """Warn where the unit of the angle is assumed, as degrees are as usual."""
+    _, (finding,) = find_columns(Path("rec.csv"), ["time_s", "angle", "ball_position_m"], 1)
+    assert (finding.severity, finding.code) == ("warning", "no-unit")
+    assert "read as beam_angle_rad" in finding.text
+
+
+def test_an_unknown_position_column_is_named() -> None:
+    """Name the unused columns, one of which may hold the positions, and say how it is to be called."""
+    _, (finding,) = find_columns(Path("rec.csv"), ["time_s", "beam_angle_rad", "Distance (cm)"], 1)
+    assert "'Distance (cm)'" in finding.text
+    assert "ball_position_m" in finding.text
+
+
 def test_sound_header_has_no_findings() -> None:
     """Note nothing about the standard header."""
     _, findings = find_columns(Path("rec.csv"), ["time_s", "beam_angle_rad", "ball_position_m"], 1)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.recording import KnownRig, Sensors
 from harness.recording.plausibility import Signals, implausible
@@ -51,6 +53,7 @@ SLIPS = {
     "millimetres": (lambda t, a, s: (t, a, 1e3 * s), "in millimetres"),
     "centimetres": (lambda t, a, s: (t, a, 1e2 * s), "in centimetres"),
     "both": (lambda t, a, s: (t, np.degrees(a), 1e3 * s), "degrees and the position in millimetres"),
+    "inches": (lambda t, a, s: (t, a, s / 0.0254), "in inches"),
     "milliseconds": (lambda t, a, s: (1e3 * t, a, s), "in milliseconds"),
     "microseconds": (lambda t, a, s: (1e6 * t, a, s), "in microseconds"),
     "seconds": (lambda t, a, s: (1e-3 * t, a, s), "in seconds, not milliseconds"),
@@ -67,7 +70,7 @@ def test_slips_are_named(name: str, options: dict[str, float]) -> None:
     change, words = SLIPS[name]
     sound = signals(**options)
     time, angle, position = change(sound.time, sound.angle, sound.position)
-    (text,) = implausible(replace(sound, time=time, angle=angle, position=position))
+    ((_, text),) = implausible(replace(sound, time=time, angle=angle, position=position))
     assert words in text
 
 
@@ -76,8 +79,28 @@ def test_degrees_and_sign_together() -> None:
     sound = signals()
     found = implausible(replace(sound, angle=-np.degrees(sound.angle)))
     assert len(found) == 2
-    assert "degrees" in found[0]
-    assert "reversed" in found[1]
+    assert "degrees" in found[0].text
+    assert "reversed" in found[1].text
+
+
+@pytest.mark.parametrize("turns", [lambda a: a % (2 * np.pi), lambda a: a + 2 * np.pi], ids=("wrapped", "a turn away"))
+def test_a_wrapped_angle_is_told_apart_from_a_unit(turns: Callable[[FloatArray], FloatArray]) -> None:
+    """Say that the angle is wrapped, and not to name its column as it is named."""
+    sound = signals()
+    ((code, text),) = implausible(replace(sound, angle=turns(sound.angle), units=["beam_angle_deg"]))
+    assert code == "wrapped-angle"
+    assert "wrapped at 360°" in text
+
+
+def test_a_unit_that_a_column_has_is_not_advised() -> None:
+    """Do not advise to name a column as it is named already."""
+    sound = signals()
+    for change, unit in (
+        ({"angle": np.degrees(sound.angle)}, "beam_angle_deg"),
+        ({"position": 1e3 * sound.position}, "ball_position_mm"),
+    ):
+        ((_, text),) = implausible(replace(sound, **change, units=[unit]))
+        assert unit not in text
 
 
 @pytest.mark.parametrize(
@@ -95,7 +118,7 @@ def test_magnitudes_speak_where_the_ball_rests(change: dict[str, float], words: 
     position = 0.3 + np.random.default_rng(8).normal(0, 3e-4, len(time))
     values = {"time": time, "angle": angle, "position": position}
     values |= {name: factor * values[name] for name, factor in change.items()}
-    (text,) = implausible(Signals(**values, outlier=np.zeros(len(time), bool)))
+    ((_, text),) = implausible(Signals(**values, outlier=np.zeros(len(time), bool)))
     assert words in text
 
 
@@ -103,7 +126,7 @@ def test_ball_off_the_beam() -> None:
     """Compare positions with the beam's length where it is known."""
     sound = signals(start=0.2)
     assert implausible(replace(sound, rig=KnownRig(length=0.7))) == []
-    (text,) = implausible(replace(sound, rig=KnownRig(length=0.4)))
+    ((_, text),) = implausible(replace(sound, rig=KnownRig(length=0.4)))
     assert "do not fit on a beam of 0.4 m" in text
 
 
@@ -111,16 +134,16 @@ def test_constant_channels() -> None:
     """Warn about a channel that never changes."""
     sound = signals()
     still = np.zeros_like(sound.angle)
-    assert "angle never changes" in implausible(replace(sound, angle=still))[0]
-    assert "position never changes" in implausible(replace(sound, position=still + 0.3))[0]
+    assert "angle never changes" in implausible(replace(sound, angle=still))[0].text
+    assert "position never changes" in implausible(replace(sound, position=still + 0.3))[0].text
 
 
 def test_declared_resolution() -> None:
     """Compare inferred with declared resolutions, finer or coarser, with a margin for a data sheet's rounding."""
     sound = signals()
     assert implausible(replace(sound, sensors=Sensors(angle_resolution=1.6e-4, position_resolution=1e-4))) == []
-    assert "coarser" in implausible(replace(sound, sensors=Sensors(angle_resolution=1e-5)))[0]
-    assert "finer" in implausible(replace(sound, sensors=Sensors(position_resolution=1e-3)))[0]
+    assert "coarser" in implausible(replace(sound, sensors=Sensors(angle_resolution=1e-5)))[0].text
+    assert "finer" in implausible(replace(sound, sensors=Sensors(position_resolution=1e-3)))[0].text
 
 
 def test_unknown_positions_silence_physics() -> None:

@@ -55,6 +55,26 @@ def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:
     return path
 
 
+def test_an_effect_is_declared_once(tmp_path: Path) -> None:
+    """Refuse an effect that is declared twice, whose values would be added."""
+    effect = '[[declared]]\nname = "rolling_resistance"\ncoefficient = 0.002\n'
+    with pytest.raises(InputError, match=r"rig\.toml: \[\[declared\]\] lists 'rolling_resistance' 2 times"):
+        read_rig_file(write(tmp_path, effect + effect))
+
+
+def test_a_density_that_no_ball_has(tmp_path: Path) -> None:
+    """Warn of a mass and a radius that no ball has, as of a mass in grams; steel, foam and hollow balls are sound."""
+
+    def codes(mass: float, radius: float) -> list[str]:
+        text = f"[ball]\nmass_kg = {mass}\nradius_m = {radius}\n"
+        return [one.code for one in read_rig_file(write(tmp_path, text)).findings if one.severity == "warning"]
+
+    assert codes(71.0, 0.0132) == ["density"]
+    assert codes(0.071, 1.32) == ["density"]
+    for mass, radius in ((0.071, 0.0132), (0.0027, 0.02), (0.001, 0.02)):
+        assert codes(mass, radius) == []
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 def test_everything_is_read(tmp_path: Path, encoding: str) -> None:
     """Read every key of the contract, whole numbers included, whatever the encoding."""

@@ -15,6 +15,7 @@ from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.spline_term import Regressor, blank
+from harness.identify.record import FindingRecord
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
@@ -25,6 +26,8 @@ from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.preparation.recordings import observe
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
+from harness.report.diagnosis.account import Account
+from harness.report.diagnosis.verdict import before_after
 from harness.simulator import Experiment, write_case
 
 NAME = "rolling_resistance"
@@ -129,6 +132,31 @@ def test_an_implausible_size_is_a_caveat(html, diagnosis, record, case):
     assert said in page
     assert "which is implausibly large for a rolling resistance, was missing" in page
     assert "mplausibl" not in html
+
+
+def test_warnings_stand_on_the_first_screen(diagnosis, record, case):
+    """Print what is wrong with the input before the first picture, and notes not there."""
+    findings = [
+        FindingRecord(severity="warning", where="rec_01.csv", text="the clock is odd", code="rate"),
+        FindingRecord(severity="note", where="rec_01.csv", text="the header is odd", code="unused-columns"),
+    ]
+    page = render_diagnosis(diagnosis, record.model_copy(update={"findings": tuple(findings)}), case)
+    top = page[: page.index("<figure>")]
+    assert "the clock is odd" in top
+    assert "the header is odd" not in top
+    assert "the header is odd" in page
+
+
+def test_the_recording_with_readings_left_out_is_shown(diagnosis, record, case):
+    """Draw readings that were left out in the recording that has most of them, and leave the frame to the others."""
+    name = case.identify[1]
+    mask = np.zeros(len(case.recordings[name].time), dtype=bool)
+    mask[100:180] = True
+    faulty = replace(case, recordings=case.recordings | {name: replace(case.recordings[name], set_aside=mask)})
+    account = Account(diagnosis, record, faulty, "")
+    assert account.shown.name == name
+    drawn = {line.get_label(): line for line in before_after(account).axes[0].lines}
+    assert len(drawn["left out of all fits"].get_xdata()) == 80
 
 
 def test_errors_stand_by_source_and_horizon(html):

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from harness.report.palette import LOOKS, look_of
-from harness.report.plots import binned, joined, mark_exits, thinning
+from harness.report.plots import binned, joined, left_out, mark_exits, thinning
 
 
 def exits(values):
@@ -71,3 +71,14 @@ def test_looks_differ():
     assert len(set(colours)) == len(colours)
     assert look_of("new_engine") == look_of("new_engine")
     assert look_of("new_engine").colour not in colours
+
+
+def test_readings_that_are_left_out_are_drawn_apart():
+    """Draw every such reading as a mark of its own, with a legend entry; draw nothing where there is none."""
+    axes = Figure().add_subplot()
+    assert left_out(axes, np.empty((0, 2))) == []
+    assert not axes.lines
+    readings = np.column_stack((np.arange(5.0), np.linspace(0.3, 0.4, 5)))
+    (entry,) = left_out(axes, readings)
+    assert entry.get_label() == "left out of all fits"
+    np.testing.assert_array_equal(np.column_stack(axes.lines[0].get_data()), readings)

@@ -9,11 +9,11 @@ from operator import attrgetter
 
 from analytic.motion import FloatArray
 from harness.identify.design.excitation import OperatingEnvelope, Profile
-from harness.identify.record import EXPERIMENT
+from harness.recording.own_files import NEXT_EXPERIMENT
 
 NOTHING = "nothing"
 """The rival of an effect that is to be detected."""
-FILE = EXPERIMENT
+FILE = NEXT_EXPERIMENT
 """Name of the table beside diagnosis.json."""
 MOST_RUNS = 10
 """Largest number of repetitions that is proposed."""

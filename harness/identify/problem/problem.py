@@ -20,6 +20,7 @@ from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
 
+_BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
 _CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
 _QUICK_LENGTH = 60.0  # of the recordings of a quick search [s]: effects far above the noise show in a minute
@@ -211,7 +212,9 @@ class Problem:
         """
         process_noises = []
         for recording in self.recordings:
-            step = float(np.median(np.diff(recording.drive.time)))
+            stamps = recording.drive.time
+            step, mean = float(np.median(np.diff(stamps))), float((stamps[-1] - stamps[0]) / (len(stamps) - 1))
+            step = mean if mean > _BUNCHED * step else step
             span = max(int(_FLOOR_SPAN / step), 1)
             for path in recording.drive.draw(_FLOOR_DRAWS, seed=0):
                 error = path.states[:, 0] - recording.drive.states[:, 0]

@@ -44,6 +44,7 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
         Line2D([], [], color=MEASURED_COLOUR, linewidth=1.7, label=subject.measured),
         Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0, label=r"± 2 $u_\mathrm{val}$"),
     ]
+    entries += plots.left_out(axes, subject.study.setting.recording.left_out)
     plots.over_time(axes, time[horizon.first[0]], time[horizon.last[-1]])
     exits = []
     for one in _ranked(subject, horizon):

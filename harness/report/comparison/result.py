@@ -4,7 +4,7 @@ import math
 
 from harness.formatting import aligned, brief, fixed, plus_minus
 from harness.metrics import Score
-from harness.recording.findings import DataFinding
+from harness.recording.findings import DataFinding, warnings_of
 from harness.report.answer import answer
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
@@ -35,10 +35,8 @@ def section(subject: Subject) -> Section:
 def _warnings(subject: Subject) -> tuple[list[DataFinding], int]:
     """Warnings on this recording, and the number of warnings on other recordings of the case."""
     setting = subject.study.setting
-    elsewhere = tuple(name for name in setting.case.recordings if name != setting.recording.name)
-    warnings = [one for one in setting.case.findings if one.severity == "warning"]
-    here = [one for one in warnings if not one.where.startswith(elsewhere)]
-    return here, len(warnings) - len(here)
+    here = warnings_of(setting.case.findings_on([setting.recording.name]))
+    return list(here), len(warnings_of(setting.case.findings)) - len(here)
 
 
 def _table(subject: Subject) -> Table:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+from analytic.motion import FloatArray
 from harness.formatting import brief
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import PreparedRecording
@@ -55,8 +56,12 @@ class Account:
 
     @property
     def shown(self) -> PreparedRecording:
-        """The recording shown in figures: the first."""
-        return self.diagnosis.problem.recordings[0]
+        """The recording shown in figures: the first, or the one of which most is left out."""
+        return max(self.diagnosis.problem.recordings, key=lambda one: len(self.left_out(one)))
+
+    def left_out(self, record: PreparedRecording) -> FloatArray:
+        """Stamps [s] and positions [m] of the readings of a recording that are left out of all fits, shape (k, 2)."""
+        return next(one.left_out for one in self.case.recordings.values() if one.name == record.name)
 
     @cached_property
     def residual_accelerations(self) -> tuple[ResidualAcceleration, ...]:

@@ -17,7 +17,7 @@ def section(account: Account) -> Section:
         "rig": _rig(account),
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
-        "findings": account.case.findings,
+        "findings": account.record.findings,
         "versions": account.record.inputs.versions,
         "command": account.command,
     }

@@ -14,6 +14,7 @@ from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.numerics import rms
+from harness.recording.findings import warnings_of
 from harness.report import plots
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
@@ -37,6 +38,7 @@ def section(account: Account) -> Section:
         "failed": bool(account.diagnosis.failures),
         "hidden": account.diagnosis.hidden,
         "picture": _picture(account),
+        "warnings": warnings_of(one.finding() for one in account.record.findings),
     }
     return Section("verdict", "Verdict", "Verdict", "diagnosis/verdict.html", context)
 
@@ -125,7 +127,7 @@ Runs = list[tuple[Forecast, Look]]
 
 
 def _runs(account: Account) -> Runs:
-    """The first recording predicted from its first seconds, without and with what was found."""
+    """A recording predicted from its first seconds, without and with what was found."""
     diagnosis, shown = account.diagnosis, account.shown
     given = np.where(shown.time - shown.time[0] < KNOWN, shown.reading, np.nan)
     fits = [(diagnosis.base, MODEL), (diagnosis.found, FOUND)]
@@ -134,15 +136,17 @@ def _runs(account: Account) -> Runs:
 
 @plots.style()
 def before_after(account: Account, runs: Runs | None = None) -> Figure:
-    """Predictions of the first recording and their errors, without and with what was found."""
+    """Predictions of the shown recording and their errors, without and with what was found."""
     time, reading = account.shown.time, account.shown.reading
     runs = _runs(account) if runs is None else runs
     closest = runs[-1][0]
     figure = plots.drawing(4.3)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.5, 1.0))
     plots.band(top, time, closest.position - 2.0 * closest.deviation, closest.position + 2.0 * closest.deviation)
+    left_out = account.left_out(account.shown)
     known = np.isfinite(reading)
-    plots.signal(top, time[known], reading[known], RECORDED)
+    drawn = known | np.isin(time, left_out[:, 0])  # with gaps where readings are left out
+    plots.signal(top, time[drawn], reading[drawn], RECORDED)
     plots.frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
     errors = [(1e3 * (one.position - reading), look) for one, look in runs]
     # The difference contains the noise of the reading.
@@ -161,8 +165,10 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
             plots.mark_exits(axes, time, values, look)
         axes.set_ylabel(label)
         axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
-    plots.over_time(bottom, time[0], time[-1])
+    whole = np.concatenate((time, left_out[:, 0]))
+    plots.over_time(bottom, float(whole.min()), float(whole.max()))
     entries = [plots.sample(RECORDED, account.measured), *(plots.sample(look) for _, look in runs)]
+    entries += plots.left_out(top, left_out)
     figure.legend(handles=entries, loc="outside upper left", ncols=3, handlelength=2.6)
     return figure
 
