@@ -107,8 +107,8 @@ def test_a_diagnosis_beside_its_recordings_keeps_them(harness: Harness, tmp_path
     """Never write over a recording that has the name of a result, also with --force."""
     case = write_short_case(tmp_path / "case")
     (case / "rec_02.csv").rename(case / "next_experiment.csv")
-    rig = (case / "rig.toml").read_text(encoding="utf-8")
-    (case / "rig.toml").write_text(rig.replace("rec_02.csv", "next_experiment.csv"), encoding="utf-8")
+    with (case / "rig.toml").open("a", encoding="utf-8") as rig:  # not listed, it would be left out as no recording
+        rig.write('\n[recordings]\nidentify = ["rec_01.csv", "next_experiment.csv"]\n')
     done = harness("diagnose", case, "--out", case, "--force")
     assert done.code == 2
     assert "next_experiment.csv: is an input of this command" in done.err

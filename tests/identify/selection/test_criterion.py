@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Estimator, Fit
-from harness.identify.problem.problem import Problem
+from harness.identify.problem.problem import WHITE, Problem
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from tests.identify.selection.made import PRICE, READINGS, made
@@ -409,7 +409,7 @@ def test_predictions_are_poor_where_a_complete_model_errs_less(
     # With q = 1e-4 m²/s³ and readings of 1 mm at 100 Hz: √2 q^¾ (1e-8 m² s)^¼ = 1.41e-5 m²/s², which over 3 s adds
     # 3 s² of it, 4.2e-5 m², and q 27/12 s³ = 2.25e-4 m²: a root of 16.4 mm with the 1e-6 m² of a reading.
     one = SimpleNamespace(time=np.arange(100) * 0.01)
-    problem = cast(Problem, SimpleNamespace(reading_variance=1e-6, angle_floor=floor, recordings=(one,)))
+    problem = cast(Problem, SimpleNamespace(reading_variance=1e-6, colour=WHITE, angle_floor=floor, recordings=(one,)))
     assert C.predicts_poorly(problem, [0.5 * complete * error, 1.5 * complete * error]) is poor
     assert not C.predicts_poorly(problem, [])
 

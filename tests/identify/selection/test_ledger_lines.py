@@ -11,7 +11,7 @@ import pytest
 from analytic.effects import acting
 from analytic.models import CAM
 from analytic.rig import Rig
-from harness.identify.problem.problem import Problem
+from harness.identify.problem.problem import WHITE, Problem
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.record import LedgerRecord, SourcesRecord
 from harness.identify.selection.criterion import NONE, Criterion, Decision, Evidence, Rule
@@ -92,6 +92,7 @@ def problem() -> Problem:
             recordings=(SimpleNamespace(name="rec_01"), SimpleNamespace(name="rec_02")),
             readings=1000,
             reading_variance=4e-6,
+            colour=WHITE,
             model=CAM,
             rig=Rig(),
             declared=(acting("viscous_damping", {"coefficient": 0.01}),),
