@@ -18,7 +18,7 @@ import click
 from analytic.motion import State
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
 from harness.cli.termination import Terminated, terminable
-from harness.errors import HarnessError
+from harness.errors import HarnessError, printable
 
 
 class Friendly(click.Group):
@@ -32,6 +32,8 @@ class Friendly(click.Group):
         except HarnessError as error:
             click.echo(f"error: {error}", err=True)
             sys.exit(error.exit_code)
+        except click.UsageError as error:
+            raise click.UsageError(printable(error.format_message()), error.ctx) from error
         except KeyboardInterrupt:
             click.echo("error: interrupted", err=True)
             sys.exit(128 + signal.SIGINT)

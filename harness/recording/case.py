@@ -199,7 +199,7 @@ def _recording_lists(file: Path, content: RigFile) -> tuple[tuple[str, ...], tup
 
 
 def _refuse_dead_link(file: Path, path: Path) -> None:
-    if path.is_symlink():
+    if _holds(path.is_symlink):
         raise InputError(
             f"{file}: [recordings] lists '{path.name}', a symbolic link to {path.readlink()}, which does not exist. "
             "Correct the link, or put the recording there."
