@@ -87,6 +87,7 @@ def recordings() -> Iterator[tuple[str, bytes]]:
     yield "reversed", "\n".join([head, *rows[::-1]]).encode()
     yield "equal_stamps", "\n".join([head, *("0.0," + row.split(",", 1)[1] for row in rows)]).encode()
     yield "doubled", "\n".join([head, *(row for row in rows for _ in range(2))]).encode()
+    yield "constant", "\n".join([head, *(row.rsplit(",", 1)[0] + ",0.3" for row in rows)]).encode()
     yield "zero_bytes", b"\0" * 100
     yield "spreadsheet", b"PK\x03\x04" + b"x" * 50
 
