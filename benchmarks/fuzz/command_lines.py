@@ -20,13 +20,13 @@ _OPTIONS = {
     "replay": ("--refit", "--engines", "--effects", "--json"),
     "run": (
         *("--out", "--recording", "--engine", "--set", "--parameters", "--start", "--level-angle", "--window"),
-        *("--tube", "--seed", "--check", "--tolerances", "--effects", "--force", "--json"),
+        *("--tube", "--seed", "--check", "--tolerances", "--effects", "--force", "--yes", "--json"),
     ),
-    "diagnose": ("--out", "--also", "--effects", "--accept", "--force", "--json"),
+    "diagnose": ("--out", "--also", "--effects", "--accept", "--force", "--yes", "--json"),
     "simulate": ("--out", "--hide", "--declare", "--imperfection", "--duration", "--seed", "--force"),
 }
 _OF_PATHS = ("--out", "--effects", "--also", "--parameters", "--tolerances")
-_FLAGS = ("--force", "--json", "--refit", "--engines", "--check")
+_FLAGS = ("--force", "--yes", "--json", "--refit", "--engines", "--check")
 # A case that is never good: what is before and beside it is what is tried.
 _NO_CASES = st.sampled_from((*_ABSENT[:4], RIG + "x", EFFECTS, FILE)) | strange.texts.filter(
     lambda text: "." not in text
