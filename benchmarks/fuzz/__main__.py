@@ -17,7 +17,8 @@ import click
 from hypothesis import Phase
 
 from benchmarks.fuzz.doors import Broken
-from benchmarks.fuzz.properties import INPUTS, property_of
+from benchmarks.fuzz.guided import counts_file
+from benchmarks.fuzz.properties import INPUTS, property_of, table_row
 
 _ROUND = 200  # inputs between two looks at the clock
 
@@ -35,7 +36,10 @@ def run(seconds: int, kinds: tuple[str, ...], guided: bool | None) -> None:
     for kind in kinds:
         if guided:  # libFuzzer ends the process that it runs in
             words = [sys.executable, "-m", "benchmarks.fuzz.guided", kind, str(share)]
+            counts_file(kind).unlink(missing_ok=True)
             failed = subprocess.run(words, check=False).returncode != 0
+            if counts_file(kind).exists():
+                click.echo(counts_file(kind).read_text(encoding="utf-8"))
         else:
             failed = not _at_random(kind, share)
         broken += [kind] if failed else []
@@ -58,12 +62,6 @@ def _at_random(kind: str, seconds: float) -> bool:
     finally:
         click.echo(table_row(kind, seen))
     return True
-
-
-def table_row(kind: str, seen: Counter[str]) -> str:
-    """A line of the table of docs/reliability.md."""
-    counts = " | ".join(str(seen[one]) for one in ("result", "no", "refused", "failed"))
-    return f"| {kind} | {seen.total()} | {counts} |"
 
 
 if __name__ == "__main__":

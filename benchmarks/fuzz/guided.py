@@ -6,27 +6,42 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
+
 KEPT = Path("build/fuzz")
 """Inputs that reached new code, as bytes for hypothesis; they are where the next run begins."""
+_BEGINNINGS, _LENGTH = 20, 2048  # files and bytes to begin with: hypothesis makes nothing of a few bytes
+_OFTEN = 20  # inputs between two notes of what came out, as libFuzzer ends the process without another word
+
+
+def counts_file(kind: str) -> Path:
+    """Where a run notes its outcomes, as a line of a table."""
+    return KEPT / f"{kind}.txt"
 
 
 def main(kind: str, seconds: int) -> None:
     """Fuzz until the time is over or something breaks; libFuzzer ends the process."""
-    import atexit
-
     import atheris
 
-    with atheris.instrument_imports(include=["harness.recording", "harness.cli", "harness.api", "harness.identify"]):
-        from benchmarks.fuzz.__main__ import table_row
-        from benchmarks.fuzz.properties import property_of
+    with atheris.instrument_imports(include=["harness"]):
+        from benchmarks.fuzz.properties import property_of, table_row
 
     seen: Counter[str] = Counter()
     folder = KEPT / kind
     folder.mkdir(parents=True, exist_ok=True)
-    one = property_of(kind, seen, database=None).hypothesis.fuzz_one_input  # type: ignore[attr-defined]
-    atexit.register(lambda: print(table_row(kind, seen), flush=True))
-    options = [f"-max_total_time={seconds}", "-timeout=30", "-rss_limit_mb=4096", "-max_len=4096", "-verbosity=0"]
-    atheris.Setup([sys.argv[0], str(folder), *options, f"-artifact_prefix={KEPT}/{kind}-"], one)
+    if not any(folder.iterdir()):
+        generator = np.random.default_rng(0)
+        for at in range(_BEGINNINGS):
+            (folder / f"begin_{at:02d}").write_bytes(generator.bytes(_LENGTH))
+    fuzz_one_input = property_of(kind, seen, database=None).hypothesis.fuzz_one_input  # type: ignore[attr-defined]
+
+    def one(data: bytes) -> None:
+        fuzz_one_input(data)
+        if seen.total() % _OFTEN == 0:
+            counts_file(kind).write_text(table_row(kind, seen), encoding="utf-8")
+
+    options = [f"-max_total_time={seconds}", "-timeout=30", "-rss_limit_mb=4096", "-max_len=8192", "-len_control=0"]
+    atheris.Setup([sys.argv[0], str(folder), *options, "-verbosity=0", f"-artifact_prefix={KEPT}/{kind}-"], one)
     atheris.Fuzz()
 
 

@@ -66,3 +66,9 @@ def property_of(kind: str, seen: Counter[str], **options: Any) -> Property:
         seen[outcome_of(kind, given).kind] += 1
 
     return every_input_has_a_result_or_one_message
+
+
+def table_row(kind: str, seen: Counter[str]) -> str:
+    """A line of the table of docs/reliability.md."""
+    counts = " | ".join(str(seen[one]) for one in ("result", "no", "refused", "failed"))
+    return f"| {kind} | {seen.total()} | {counts} |"
