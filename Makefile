@@ -106,6 +106,12 @@ schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
 docs: $(INSTALLED) ## write docs/api.md from the docstrings
 	$(BIN)/python docs/make_api.py
 
+# Guided by coverage where atheris is installed, which the lock has not: .venv/bin/python -m pip install atheris
+SECONDS ?= 600
+.PHONY: fuzz
+fuzz: $(INSTALLED) ## change good inputs at random for SECONDS=600: each has a result or one message
+	$(BIN)/python -m benchmarks.fuzz --seconds $(SECONDS) $(ARGS)
+
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 800 simulated rigs blind and tabulate how often that is right (some two hours)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)

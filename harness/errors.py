@@ -1,10 +1,22 @@
 """Errors for the user; each message names fault, place and remedy."""
 
 
+def printable(text: str) -> str:
+    """The text in one line: what a terminal would take for a command or a line's end is escaped.
+
+    Messages quote what users give, which may hold any character.
+    """
+    return "".join(one if one.isprintable() or one in "\u00a0\u202f" else ascii(one)[1:-1] for one in text)
+
+
 class HarnessError(Exception):
     """Base of all errors meant for the user; `exit_code` is what the command returns."""
 
     exit_code = 2
+
+    def __str__(self) -> str:
+        """One line."""
+        return printable(super().__str__())
 
 
 class InputError(HarnessError):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
+from harness.api.effort import ask, comparison_time
 from harness.api.outputs import report_folder, sealed_json
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of
@@ -150,6 +151,7 @@ def compare(
     effects: Sequence[Given] = (),
     out: str | Path | None = None,
     force: bool = False,
+    yes: bool = False,
     command: str = "",
     progress: bool | Progress = False,
 ) -> Comparison:
@@ -170,6 +172,7 @@ def compare(
         effects: effects of your own that rig.toml declares, as Python files or as `Effect` objects.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no comparison wrote, or that have been changed since, too.
+        yes: compare although it takes longer than ten minutes.
         command: what repeats the comparison, for the manifest.
         progress: show a bar on stderr, or a function to be told.
 
@@ -203,6 +206,8 @@ def compare(
         if limits is not None:
             choices = limits.applied_to(choices)
         _check_numbers(case, recording, chosen, choices)
+        seconds = comparison_time(_longest(case, recording), chosen, choices)
+        ask(seconds, "set a longer time_step, or compare fewer engines and windows", yes=yes)
         given = (*files_of(effects), *([] if tolerances is None else [Path(tolerances)]))
         writing = partial(all_or_nothing, record=MANIFEST, names=FILES, inputs=(*input_files(case), *given))
         # Entered first: what cannot be written need not be computed.
@@ -229,11 +234,16 @@ def _check_numbers(
                 raise InputError(f"{name}: {value:g} is not a finite length; give a positive number")
     if choices.seed < 0:
         raise InputError(f"seed: {choices.seed} is negative; give 0 or more")
-    compared = [case.recordings[recording]] if recording in case.recordings else case.recordings.values()
-    longest = max(float(one.time[-1] - one.time[0]) for one in compared)
+    longest = _longest(case, recording)
     for engine, parameters in engines:
         # The numerical error is told by runs with half the step.
         check_steps(2.0 * longest, parameters.time_step, f"{engine.name}.time_step")
+
+
+def _longest(case: Case, recording: str | None) -> float:
+    """Duration of the recording to compare; of the longest, where none is named [s]."""
+    compared = [case.recordings[recording]] if recording in case.recordings else case.recordings.values()
+    return max(float(one.time[-1] - one.time[0]) for one in compared)
 
 
 def headline_rows(study: Study) -> list[tuple[str, ...]]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from harness.api.acceptance import check_codes, refuse_worthless
 from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
+from harness.api.effort import ask, diagnosis_time
 from harness.api.outputs import report_folder, write_csv
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis
@@ -154,6 +155,7 @@ def diagnose(
     accept: Sequence[str] = (),
     out: str | Path | None = None,
     force: bool = False,
+    yes: bool = False,
     jobs: int = 1,
     progress: bool | Progress = False,
 ) -> Diagnosis:
@@ -166,6 +168,7 @@ def diagnose(
         accept: codes of findings about the input that would stop the diagnosis, such as `angle-sign`, and are meant so.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
+        yes: diagnose although it takes longer than ten minutes.
         jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
             other threads hold locks, as they may in a notebook. The search uses threads on all cores in any case.
         progress: show a bar on stderr, or a function to be told.
@@ -184,6 +187,8 @@ def diagnose(
         prediction_files(case)
         further = _further(case, asked.also)
         refuse_worthless(case, further, asked.accept)
+        seconds = diagnosis_time([case.recordings[name] for name in case.identify])
+        ask(seconds, "list fewer or shorter recordings to identify from, or record at a lower rate", yes=yes)
         # Entered first: what cannot be written need not be computed.
         with nullcontext() if asked.out is None else asked.scratch(asked.out, case, force=force) as scratch:
             tell("drives and rig", share=0.0)

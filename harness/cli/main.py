@@ -18,7 +18,7 @@ import click
 from analytic.motion import State
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
 from harness.cli.termination import Terminated, terminable
-from harness.errors import HarnessError
+from harness.errors import HarnessError, printable
 
 
 class Friendly(click.Group):
@@ -32,6 +32,8 @@ class Friendly(click.Group):
         except HarnessError as error:
             click.echo(f"error: {error}", err=True)
             sys.exit(error.exit_code)
+        except click.UsageError as error:
+            raise click.UsageError(printable(error.format_message()), error.ctx) from error
         except KeyboardInterrupt:
             click.echo("error: interrupted", err=True)
             sys.exit(128 + signal.SIGINT)
@@ -96,6 +98,7 @@ _out_option = click.option("--out", type=_PATH, help="Folder to write into [defa
 _force_option = click.option(
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
 )
+_yes_option = click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
 _effects_option = click.option(
     "--effects",
     multiple=True,
@@ -188,6 +191,7 @@ def main() -> None:
 )
 @_effects_option
 @_force_option
+@_yes_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
@@ -227,6 +231,7 @@ def run(case: Path | None, **options: Any) -> None:
     "message names the code; repeatable.",
 )
 @_force_option
+@_yes_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.

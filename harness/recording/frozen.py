@@ -108,6 +108,8 @@ def _fault(s: FloatArray, first: int, last: int, noise: float) -> Fault:
     if s[first] == 0.0:
         return Fault.ZEROS
     rest = np.delete(s, slice(first, last + 1))
+    if not len(rest):
+        return Fault.STUCK
     beyond = s[first] >= rest.max() - noise or s[first] <= rest.min() + noise
     steps = [abs(float(s[i] - s[first])) for i in (first - 1, last + 1) if 0 <= i < len(s)]
     usual = float(np.max(np.abs(np.diff(rest)), initial=0.0)) if len(rest) > 1 else 0.0

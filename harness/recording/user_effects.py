@@ -5,18 +5,37 @@ import itertools
 import math
 import runpy
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from analytic.effects import CATALOGUE, Effect, EffectError, Force, SensorLaw, joined
+import numpy as np
+
+from analytic.effects import CATALOGUE, Effect, EffectError, Force, SensorLaw, Transmission, joined
 from analytic.effects.force import Values
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording.source import read_source
+from harness.time_limit import TimeLimit, time_limit
+
+# Of the clock. A law is computed thousands of times in a search, and takes a tenth of a millisecond if it computes with
+# arrays; reading a file may import large packages.
+LONGEST_CALL = 1.0
+LONGEST_READ = 8.0
+# What the functions of an effect give; `write` changes what it is given, and a motion is whatever has its methods.
+_GIVES: dict[str, type | None] = {
+    "write": None,
+    "alter": Rig,
+    "turn": None,
+    "tilting": float,
+    "transmission": Transmission,
+    "sensor": SensorLaw,
+}
+_FAULTS = (Exception, SystemExit, GeneratorExit, TimeLimit)
 
 
 @dataclass(frozen=True)
@@ -64,21 +83,29 @@ def read_effects(file: Path) -> tuple[Effect, ...]:
     """
     read_source(file)  # says what is wrong with a file that cannot be read
     try:
-        content = runpy.run_path(str(file))
-    except (Exception, SystemExit) as error:
+        # Settings that the file makes for the whole program end with it.
+        with np.errstate(), warnings.catch_warnings(), time_limit(LONGEST_READ):
+            content = runpy.run_path(str(file))
+    except _FAULTS as error:
         raise _blamed(file, error) from error
     values = [v for value in content.values() for v in (value if isinstance(value, list | tuple) else [value])]
     effects = {id(v): v for v in values if isinstance(v, Effect) and not any(v is one for one in CATALOGUE.values())}
     if not effects:
         raise InputError(f"{file}: has no effect in it. Write one down as NAME = Effect(…).")
-    return tuple(_checked(file, effect) for effect in effects.values())
+    try:
+        with time_limit(LONGEST_READ):
+            return tuple(_checked(file, effect) for effect in effects.values())
+    except InputError:
+        raise
+    except _FAULTS as error:  # an attribute of another type than an effect has, or too many laws that are slow
+        raise _blamed(file, error) from error
 
 
 def _checked(file: Path, effect: Effect) -> Effect:
     """The same effect, whose errors are told with their place; its force has been computed all over its bounds."""
     guarded: dict[str, Any] = {
-        name: _guarded(file, effect.name, getattr(effect, name))
-        for name in ("write", "alter", "turn", "tilting", "transmission", "sensor")
+        name: _guarded(file, effect.name, getattr(effect, name), name, kind)
+        for name, kind in _GIVES.items()
         if getattr(effect, name) is not None
     }
     typical = {one.name: one.typical for one in effect.parameters}
@@ -87,6 +114,11 @@ def _checked(file: Path, effect: Effect) -> Effect:
     if effect.sensor is not None:
         for values in every:
             _check_sensor(f"{file}: {effect.name}", guarded["sensor"](values), values)
+    for values in every:
+        if effect.alter is not None:
+            guarded["alter"](Rig(), values)
+        for name in {"tilting", "transmission"} & guarded.keys():
+            guarded[name](values)
     if effect.force is not None:
         law = _guarded(file, effect.name, effect.force.law)
         force = guarded["force"] = OwnForce(effect.force.by, law, effect.force.over, f"{file}: {effect.name}")
@@ -95,11 +127,9 @@ def _checked(file: Path, effect: Effect) -> Effect:
     return replace(effect, **guarded)
 
 
-def _check_sensor(place: str, law: object, values: Values) -> None:
+def _check_sensor(place: str, law: SensorLaw, values: Values) -> None:
     """Refuse what the filter cannot take for a sensor."""
     given = ", ".join(f"{name} = {value:g}" for name, value in values.items())
-    if not isinstance(law, SensorLaw):
-        raise InputError(f"{place}: sensor gives {law!r} with {given}. Let it give a SensorLaw.")
     if not (
         all(map(math.isfinite, (law.gain, law.lag, law.delay, law.square, law.cube))) and law.gain and law.lag >= 0.0
     ):
@@ -109,21 +139,27 @@ def _check_sensor(place: str, law: object, values: Values) -> None:
         )
 
 
-def _guarded(file: Path, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function; an error in it is the user's, and says where."""
+def _guarded(
+    file: Path, name: str, function: Callable[..., Any], role: str = "", gives: type | None = None
+) -> Callable[..., Any]:
+    """The same function; an error in it is the user's, and says where, as is anything else than what it has to give."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
         try:
-            return function(*arguments, **named)
-        except (Exception, SystemExit) as error:
+            with time_limit(LONGEST_CALL):
+                made = function(*arguments, **named)
+        except _FAULTS as error:
             raise _blamed(file, error, name) from error
+        if gives is not None and not isinstance(made, gives):
+            raise InputError(f"{file}: {name}: {role} gives {made!r}. Let it give a {gives.__name__}.")
+        return made
 
     return call
 
 
-def _blamed(file: Path, error: Exception | SystemExit, name: str = "") -> InputError:
-    """An error in a user's file, or that it ends the program, as a message: file, line, what."""
+def _blamed(file: Path, error: BaseException, name: str = "") -> InputError:
+    """An error in a user's file, or that it ends the program or does not end, as a message: file, line, what."""
     line = error.lineno if isinstance(error, SyntaxError) else None
     for frame in traceback.extract_tb(error.__traceback__):
         if frame.filename == str(file):
@@ -133,4 +169,6 @@ def _blamed(file: Path, error: Exception | SystemExit, name: str = "") -> InputE
     message = error.msg if isinstance(error, SyntaxError) else error
     if isinstance(error, SystemExit):
         what, message = "", "ends the program by sys.exit"
+    if isinstance(error, TimeLimit):
+        what, message = "", f"takes more than {error.seconds:g} s"
     return InputError(f"{where}: {name and name + ': '}{what}{message}. Correct the file.")

@@ -51,6 +51,13 @@ def test_a_sound_recording_is_used_whole(tmp_path: Path, signals: Signals) -> No
     assert not len(recording.left_out)
 
 
+def test_a_position_that_never_changes_is_read(tmp_path: Path, signals: Signals) -> None:
+    """Read a recording of one position alone, from which nothing tells a stuck sensor."""
+    time, angle, position = signals
+    recording = loaded(tmp_path, time, angle, np.full_like(position, 0.3))
+    assert np.ptp(recording.position[recording.known]) == 0.0
+
+
 @pytest.mark.parametrize(("value", "code"), [(None, "stuck-position"), (0.0, "zeros")], ids=("stuck", "zeros"))
 def test_a_stretch_of_equal_readings_is_left_out(
     tmp_path: Path, signals: Signals, value: float | None, code: str

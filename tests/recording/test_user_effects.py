@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from analytic.rig import Rig
 from harness.engines.catalogue import engine_of
 from harness.engines.injection import force_of
 from harness.errors import InputError
+from harness.recording import user_effects
 from harness.recording.user_effects import own_effects, read_effects
 from harness.simulator import Plant, simulate
 from tests.motions import Sines
@@ -113,6 +115,18 @@ def written(folder: Path, text: str) -> Path:
             r"mine\.py, line 9: mine: ends the program by sys\.exit",
         ),
         ("from analytic.effects import Force\n", "has no effect in it"),
+        (HEAD + "while True:\n    pass\n", r"mine\.py, line [23]: takes more than 0\.5 s\. Correct the file"),
+        (
+            HEAD
+            + "import itertools\n"
+            + OWN.format(**GOOD | {"force": 'Force("angle", lambda a, size: min(iter(lambda: 1, 0)))'}),
+            r"mine\.py, line 9: mine: takes more than 0\.3 s",
+        ),
+        (
+            HEAD + "import time\n" + OWN.format(**GOOD | {"force": 'Force("angle", lambda a, size: time.sleep(60))'}),
+            r"mine\.py, line 9: mine: takes more than 0\.3 s",
+        ),
+        ("raise GeneratorExit\n", r"mine\.py, line 1: GeneratorExit"),
         (HEAD + OWN.format(**GOOD | {"name": "level_error"}), "'level_error' is taken"),
         (HEAD + OWN.format(**GOOD | {"low": "2.0"}), r"mine\.py, line 6: size: bounds 2 and 1"),
         (HEAD + OWN.format(**GOOD | {"typical": "7.0"}), "7 lies outside its bounds, -1 to 1"),
@@ -139,6 +153,10 @@ def written(folder: Path, text: str) -> Path:
         "error",
         "exit",
         "exit in a law",
+        "endless file",
+        "endless law",
+        "sleeping law",
+        "another end",
         "no effect",
         "taken",
         "bounds",
@@ -150,8 +168,12 @@ def written(folder: Path, text: str) -> Path:
         "complex",
     ],
 )
-def test_what_is_wrong_in_a_file_is_said(tmp_path: Path, text: str, message: str) -> None:
+def test_what_is_wrong_in_a_file_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
+) -> None:
     """Name the file, the line if there is one, and what to do; leave the catalogue as it was."""
+    monkeypatch.setattr(user_effects, "LONGEST_READ", 0.5)
+    monkeypatch.setattr(user_effects, "LONGEST_CALL", 0.3)
     before = list(CATALOGUE)
     with pytest.raises(InputError, match=message) as caught, own_effects([written(tmp_path, text)]):
         pass
@@ -169,6 +191,14 @@ def test_a_file_given_twice_is_refused() -> None:
     """Say that its names are taken."""
     with pytest.raises(InputError, match="'magnet' is taken"), own_effects([FILE, FILE]):
         pass
+
+
+def test_settings_that_a_file_makes_end_with_it(tmp_path: Path) -> None:
+    """Compute on as before where a file makes every rounding or warning an error."""
+    settings = "import warnings\nimport numpy as np\nnp.seterr(all='raise')\nwarnings.simplefilter('error')\n"
+    before = np.geterr(), list(warnings.filters)
+    read_effects(written(tmp_path, settings + HEAD + OWN.format(**GOOD)))
+    assert (np.geterr(), list(warnings.filters)) == before
 
 
 SENSOR = HEAD.replace("Force", "Force, SensorLaw") + OWN.replace("force={force}", "sensor={sensor}")
@@ -191,7 +221,7 @@ def test_an_effect_may_act_on_the_sensor(tmp_path: Path) -> None:
     [
         ("lambda values: SensorLaw(gain=values['size'])", "with size = 0 the sensor has the gain 0"),
         ("lambda values: SensorLaw(lag=values['size'] - 0.5)", "with size = 0.1 the sensor has .* the lag -0.4 s"),
-        ("lambda values: 2.0", r"sensor gives 2\.0 with size = 0\.1\. Let it give a SensorLaw"),
+        ("lambda values: 2.0", r"mine: sensor gives 2\.0\. Let it give a SensorLaw"),
         ("lambda values: SensorLaw(gain=values['sise'])", r"mine\.py, line 8: mine: KeyError"),
     ],
     ids=["no gain", "negative lag", "no law", "error"],
@@ -200,6 +230,22 @@ def test_a_sensor_that_cannot_be_is_refused(tmp_path: Path, law: str, message: s
     """Say with which values the filter could not take it."""
     with pytest.raises(InputError, match=message):
         read_effects(written(tmp_path, SENSOR.format(**GOOD | {"sensor": law, "low": "0.0"})))
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("alter=lambda rig, values: None", "alter gives None. Let it give a Rig"),
+        ("tilting=lambda values: 'a'", "tilting gives 'a'. Let it give a float"),
+        ("transmission=lambda values: 1.0", "transmission gives 1.0. Let it give a Transmission"),
+        ("sensor=lambda values: SensorLaw(gain='a')", "TypeError: must be real number, not str"),
+    ],
+)
+def test_what_gives_something_else_is_refused(tmp_path: Path, law: str, message: str) -> None:
+    """Say what a function of an effect has to give before anything is computed with it."""
+    text = SENSOR.replace("sensor={sensor}", law).format(**GOOD)
+    with pytest.raises(InputError, match=message):
+        read_effects(written(tmp_path, text))
 
 
 def test_an_error_that_comes_late_names_the_line_too(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Fuzzing: changed copies of good inputs through every door of the harness; a door opens or says one message."""

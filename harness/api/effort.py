@@ -1,0 +1,60 @@
+"""What a command would take, told before it begins; beyond a limit it asks for consent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from harness.errors import InputError
+
+if TYPE_CHECKING:
+    from harness.comparison import Choices
+    from harness.engines.parameters import EngineParameters
+    from harness.engines.protocol import Engine
+    from harness.recording import Recording
+
+ASKED = 600.0
+"""Time beyond which a command asks [s]. A run that memory does not hold is refused (`engines.leapfrog.check_steps`)."""
+# Measured on two cores [s]: steps of the engines, PyBullet's being the slowest; diagnoses of one to ten recordings with
+# 300 to 20 000 readings, which take 27 to 230 s. A search that finds much takes twice as long as the line says.
+_STEP = {"mujoco": 4e-5}
+_STEP_OTHER = 1.1e-4
+_DIAGNOSIS, _RECORDING, _READING = 60.0, 2.0, 0.01
+_HALF_AND_DOUBLE = 2.5
+"""Runs at half and at double the time step, which tell the numerical error, in runs of the whole recording."""
+
+
+def comparison_time(duration: float, engines: Sequence[tuple[Engine, EngineParameters]], choices: Choices) -> float:
+    """Time that a comparison on a recording of this duration [s] takes [s].
+
+    Args:
+        duration: of the longest recording that may be compared [s].
+        engines: that run, with their settings.
+        choices: of which the windows are of interest: those of one length last as long together as the recording.
+    """
+    runs = 1.0 + len(set(choices.lengths)) + _HALF_AND_DOUBLE
+    return sum(runs * duration / one.time_step * _STEP.get(engine.name, _STEP_OTHER) for engine, one in engines)
+
+
+def diagnosis_time(recordings: Sequence[Recording]) -> float:
+    """Time that a diagnosis of these recordings takes [s]."""
+    readings = sum(int(one.usable.sum()) for one in recordings)
+    return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings
+
+
+def ask(seconds: float, remedy: str, *, yes: bool) -> None:
+    """Go on where it is short or the user has said yes.
+
+    Args:
+        seconds: that it takes [s].
+        remedy: how it could be shorter.
+        yes: the user's consent.
+
+    Raises:
+        InputError: it takes longer than `ASKED`, and the user has not said yes.
+    """
+    if seconds > ASKED and not yes:
+        raise InputError(
+            f"this would take some {seconds / 60.0:.0f} minutes, more than {ASKED / 60.0:.0f}; {remedy}, or say --yes "
+            "(yes=True in Python)"
+        )
