@@ -62,7 +62,7 @@ def test_no_process_outlives_its_killed_parent(tmp_path: Path) -> None:
     """End the processes of the engines with the command that is killed."""
     script = (
         "import os, sys, time\nfrom harness.parallel import side_by_side\n"
-        "def job():\n    print(os.getpid(), flush=True)\n    time.sleep(60)\n"
+        "def job():\n    os.write(1, b'%d\\n' % os.getpid())\n    time.sleep(60)\n"
         "side_by_side([job, job], 2)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -76,3 +76,30 @@ def test_no_process_outlives_its_killed_parent(tmp_path: Path) -> None:
         time.sleep(0.05)
     states = [Path(f"/proc/{child}/stat") for child in children]
     assert all(not one.exists() or ") Z " in one.read_text() for one in states)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_process_that_hangs_does_not_keep_the_command_from_ending(number: str, code: int) -> None:
+    """End at the first signal although an engine never returns, and end the engine's process, too."""
+    script = (
+        "import click, os, time\nfrom harness.cli.main import Friendly\nfrom harness.parallel import side_by_side\n"
+        "def hang():\n    os.write(1, b'%d\\n' % os.getpid())\n    time.sleep(3600)\n"
+        "group = Friendly('harness')\n"
+        "@group.command()\ndef wait():\n    side_by_side([hang, hang], 2)\n"
+        "group(['wait'])\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    children = [int(process.stdout.readline()) for _ in range(2)]
+    process.send_signal(signal.Signals[number])
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == code
+    assert len(errors.splitlines()) == 1
+    assert not any(Path(f"/proc/{child}").exists() for child in children)
