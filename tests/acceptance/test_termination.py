@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from tests.acceptance.short import write_short_case
 
 ROOT = Path(__file__).parents[2]
+SCRIPT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["scripts"]["harness"]
 AT_WORK = "fit"  # in the progress of a search
 
 
@@ -103,3 +105,18 @@ def test_a_process_that_hangs_does_not_keep_the_command_from_ending(number: str,
     assert process.returncode == code
     assert len(errors.splitlines()) == 1
     assert not any(Path(f"/proc/{child}").exists() for child in children)
+
+
+def test_an_interrupt_while_the_command_is_imported_is_told_as_any() -> None:
+    """End with 130 and one message, without a traceback, before a command has begun."""
+    script = (
+        "import os, signal, sys\n"
+        "class Interrupts:\n    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'click':\n            os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Interrupts())\n"
+        "from importlib.metadata import EntryPoint\n"
+        f"EntryPoint('harness', {SCRIPT!r}, 'console_scripts').load()()\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
