@@ -67,12 +67,12 @@ def _trial(
     *,
     again: bool,
 ) -> Trial:
-    before, read = scene.content(), scene.read()
+    before, read, hidden = scene.content(), scene.read(), set(scene.hidden())  # a kill before may have left something
     done = scene.run(scene.arguments(command, turn), inside, meddle)
     code = _code(done.returncode)
     killed = code == 128 + signal.SIGKILL
     wrong = _judge(scene, command, done, allowed)
-    if not wrong and not killed and (left := scene.hidden()):
+    if not wrong and not killed and (left := sorted(set(scene.hidden()) - hidden)):
         wrong = f"{', '.join(left)} is left"
     wrong = wrong or scene.wrong(command, before)
     if not wrong and scene.read() != read:
