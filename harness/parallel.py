@@ -59,10 +59,17 @@ def meanwhile(
     if workers < 2 or sys.platform != "linux" or multiprocessing.parent_process() is not None:
         yield partial(_one_by_one, jobs, on_done)
         return
+    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin, (jobs, os.getpid()))
     try:
         pending = [pool.submit(_do, index) for index in range(len(jobs))]
         yield partial(_awaited, pending, on_done)
+    except Exception:
+        raise
+    except BaseException:  # an interrupt waits for no job, which may be an engine that never returns
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

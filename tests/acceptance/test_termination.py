@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from tests.acceptance.short import write_short_case
 
 ROOT = Path(__file__).parents[2]
+SCRIPT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["scripts"]["harness"]
 AT_WORK = "fit"  # in the progress of a search
 
 
@@ -62,7 +64,7 @@ def test_no_process_outlives_its_killed_parent(tmp_path: Path) -> None:
     """End the processes of the engines with the command that is killed."""
     script = (
         "import os, sys, time\nfrom harness.parallel import side_by_side\n"
-        "def job():\n    print(os.getpid(), flush=True)\n    time.sleep(60)\n"
+        "def job():\n    os.write(1, b'%d\\n' % os.getpid())\n    time.sleep(60)\n"
         "side_by_side([job, job], 2)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -76,3 +78,45 @@ def test_no_process_outlives_its_killed_parent(tmp_path: Path) -> None:
         time.sleep(0.05)
     states = [Path(f"/proc/{child}/stat") for child in children]
     assert all(not one.exists() or ") Z " in one.read_text() for one in states)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_process_that_hangs_does_not_keep_the_command_from_ending(number: str, code: int) -> None:
+    """End at the first signal although an engine never returns, and end the engine's process, too."""
+    script = (
+        "import click, os, time\nfrom harness.cli.main import Friendly\nfrom harness.parallel import side_by_side\n"
+        "def hang():\n    os.write(1, b'%d\\n' % os.getpid())\n    time.sleep(3600)\n"
+        "group = Friendly('harness')\n"
+        "@group.command()\ndef wait():\n    side_by_side([hang, hang], 2)\n"
+        "group(['wait'])\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    children = [int(process.stdout.readline()) for _ in range(2)]
+    process.send_signal(signal.Signals[number])
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == code
+    assert len(errors.splitlines()) == 1
+    assert not any(Path(f"/proc/{child}").exists() for child in children)
+
+
+def test_an_interrupt_while_the_command_is_imported_is_told_as_any() -> None:
+    """End with 130 and one message, without a traceback, before a command has begun."""
+    script = (
+        "import os, signal, sys\n"
+        "class Interrupts:\n    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'click':\n            os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Interrupts())\n"
+        "from importlib.metadata import EntryPoint\n"
+        f"EntryPoint('harness', {SCRIPT!r}, 'console_scripts').load()()\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
