@@ -11,7 +11,8 @@ import pytest
 from analytic.effects import CATALOGUE
 from harness.errors import InputError
 from harness.identify.estimate.fit import Fit, fit
-from harness.identify.estimate.own_values import own_of
+from harness.identify.estimate.forecast import forecast
+from harness.identify.estimate.own_values import own_deviations, own_of
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -78,6 +79,20 @@ def test_a_held_out_recording_gets_its_own_level(case: Case, problem: Problem, f
     assert own.values[NAME] == pytest.approx(LEVELS[3], abs=0.02 * SPREAD)
     kept = own_of(problem, found, problem.recordings[1], np.full_like(problem.recordings[1].reading, np.nan))
     assert kept.values[NAME] == found.terms.own[NAME][1]
+
+
+def test_a_prediction_is_as_unsure_as_its_level(case: Case, problem: Problem, found: Fit) -> None:
+    """Hold what happens in the band, which widens by what 1.5 s of positions leave open of the level."""
+    last = PreparedRecording.of(observe(case.recordings[case.predict[0]], case.sensors, problem.rig))
+    own = own_of(problem, found, last, last.reading)
+    deviation = own_deviations(problem, found, last, last.reading, own).values[NAME]
+    assert abs(own.values[NAME] - LEVELS[3]) < 4.0 * deviation
+    predicted = forecast(problem, found, last, last.reading)
+    error = EXPERIMENT.recordings()[3].noiseless - predicted.position
+    assert np.all(np.abs(error) < 4.0 * predicted.deviation + 1e-4)  # and a step of the record
+    # A level that is wrong by δ moves the ball by K g δ t²/2; the start, estimated with it, takes a part of that back.
+    ahead = last.time[-1] - last.time[np.isfinite(last.reading)][-1]
+    assert predicted.deviation[-1] > 0.5 * problem.rig.rolling_ratio * problem.rig.gravity * deviation * ahead**2 / 2.0
 
 
 def test_what_all_recordings_share_goes_to_the_common_level(problem: Problem) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.estimate.own_values import own_of
+from harness.identify.estimate.own_values import own_deviations, own_of
 from harness.identify.filter.run import FilterRun, run_filter
+from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import PreparedRecording, Problem
 
 _DRAWS = 48  # Monte Carlo draws of the parameters
@@ -49,10 +50,12 @@ def forecast(
 ) -> Forecast:
     """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
-    The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit; the
-    deviation is wider by the factor by which errors of held-out blocks exceeded it.
+    The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit, and what
+    the recording has of its own from its deviations; the deviation is wider by the factor by which errors of held-out
+    blocks exceeded it.
     """
-    best = filtered(problem, found, recording, reading)
+    own = own_of(problem, found, recording, reading)
+    best = run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
     variance = best.recorded_variance
     count = len(found.theta)
     if count:
@@ -61,11 +64,15 @@ def forecast(
         low, high = found.hypothesis.bounds(problem)
         generator = np.random.default_rng(seed)
         square = np.zeros(len(recording.time))
-        own = own_of(problem, found, recording, reading)
+        apart = own_deviations(problem, found, recording, reading, own)
         for _ in range(_DRAWS):
             theta = np.clip(found.theta + root @ generator.standard_normal(count), low, high)
             at = found.hypothesis.terms(theta, problem)
-            drawn = run_filter(problem, recording, at, found.process_noise, own=own, reading=reading)
+            each = Own(
+                generator.normal(own.phase, apart.phase),
+                {name: generator.normal(value, apart.values[name]) for name, value in own.values.items()},
+            )
+            drawn = run_filter(problem, recording, at, found.process_noise, own=each, reading=reading)
             square += (drawn.recorded - best.recorded) ** 2
         variance = variance + square / _DRAWS
     return Forecast(recording.time, best.recorded, found.band * np.sqrt(variance), best.state[:, :2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -16,6 +17,8 @@ from harness.identify.problem.hypothesis import OWN_DEVIATION, PHASE, Own
 from harness.identify.problem.problem import PreparedRecording, Problem
 
 _TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)  # grid of the first search for φ₀ [rad]
+_UNKNOWN_PHASE = np.pi / np.sqrt(3.0)  # standard deviation of a phase of which nothing is known [rad]
+_WIDTHS = 3  # of the differences that tell a deviation, each of the size that the one before tells
 _REACHES = (1.0, 0.1)  # of the search for a value, in the catalogue's largest: first all, then near the first
 
 
@@ -27,11 +30,7 @@ def own_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: 
     own = found.terms.own_of(recording.name)
     if recording.name in found.terms.recordings or not found.hypothesis.own:
         return own
-
-    def deviance(at: Own) -> float:
-        prior = sum((value / OWN_DEVIATION) ** 2 for value in at.values.values())
-        return deviance_of(problem, recording, found.terms, found.process_noise, own=at, reading=reading) + prior
-
+    deviance = _deviance(problem, found, recording, reading)
     for reach in _REACHES:
         for name in own.values:
             own = _with_value(deviance, own, name, reach)
@@ -40,6 +39,39 @@ def own_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: 
         if len(found.hypothesis.own) == 1 and PHASE in found.hypothesis.own:
             break
     return own
+
+
+def own_deviations(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray, own: Own) -> Own:
+    """Standard deviation of each value of `own_of`, by the curvature of the deviance; 0 where it was fitted."""
+    if recording.name in found.terms.recordings or not found.hypothesis.own:
+        return Own(0.0, dict.fromkeys(own.values, 0.0))
+    deviance = _deviance(problem, found, recording, reading)
+
+    def deviation(at: Callable[[float], Own], most: float) -> float:
+        width = 0.1 * most
+        for _ in range(_WIDTHS):
+            bend = deviance(at(width)) + deviance(at(-width)) - 2.0 * deviance(own)
+            width = min(width * math.sqrt(2.0 / bend), most) if bend > 0.0 else most
+        return width
+
+    def value(name: str) -> Callable[[float], Own]:
+        return lambda by: replace(own, values={**own.values, name: own.values[name] + by})
+
+    turning = PHASE in found.hypothesis.own
+    phase = deviation(lambda by: replace(own, phase=own.phase + by), _UNKNOWN_PHASE) if turning else 0.0
+    return Own(phase, {name: deviation(value(name), OWN_DEVIATION) for name in own.values})
+
+
+def _deviance(
+    problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray
+) -> Callable[[Own], float]:
+    """Deviance of a recording as a function of what it has of its own, with the prior of values."""
+
+    def deviance(at: Own) -> float:
+        prior = sum((value / OWN_DEVIATION) ** 2 for value in at.values.values())
+        return deviance_of(problem, recording, found.terms, found.process_noise, own=at, reading=reading) + prior
+
+    return deviance
 
 
 def _with_value(deviance: Callable[[Own], float], own: Own, name: str, reach: float) -> Own:

@@ -26,7 +26,6 @@ from harness.identify.filter.usual_state import usual_state
 from harness.signals.error_process import ErrorProcess
 
 
-@njit(cache=True, nogil=True)
 def extended_kalman_filter(
     readings: Readings,
     beam: BeamTable,
@@ -47,13 +46,30 @@ def extended_kalman_filter(
         error: of the beam's angle at the stamps.
         points: whether steps to a reading in which dry friction may stop the ball are taken at points.
     """
+    return FilterOutput(*_filtered(readings, beam, p, sensor, process_noise, error, points))
+
+
+@njit(cache=True, nogil=True)
+def _filtered(
+    readings: Readings,
+    beam: BeamTable,
+    p: FloatArray,
+    sensor: Sensor,
+    process_noise: float,
+    error: ErrorProcess,
+    points: bool,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The fields of `FilterOutput`.
+
+    As a plain tuple: to make a named one, compiled code would call Python, and crash where a signal raises there.
+    """
     n = len(readings.time)
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
     if p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0:
         usual_state(readings, beam, p, sensor, process_noise, error, points, out)
     else:
         any_state(readings, beam, p, sensor, process_noise, error, points, out)
-    return out
+    return out.innovation, out.innovation_variance, out.state, out.position_variance
 
 
 def penalty(ratio: FloatArray) -> FloatArray:
