@@ -60,7 +60,7 @@ test: $(INSTALLED) ## the fast tests
 GENERIC := NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=$(CURDIR)/build/numba-generic \
   OPENBLAS_CORETYPE=Prescott NPY_DISABLE_CPU_FEATURES='X86_V3 X86_V4 AVX512_ICL AVX512_SPR' \
   GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F
-ELSEWHERE := acceptance engines mjcf recording report tolerances urdf
+ELSEWHERE := acceptance engines fuzz mjcf recording report tolerances urdf
 
 .PHONY: test-generic
 test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a processor without vector extensions
