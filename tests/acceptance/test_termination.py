@@ -120,3 +120,20 @@ def test_an_interrupt_while_the_command_is_imported_is_told_as_any() -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
+
+
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_that_becomes_another_error_is_told_as_the_signal(number: str, code: int) -> None:
+    """End with the signal's code where a compiled module turns it into an ImportError."""
+    script = (
+        "import os, signal\nfrom harness.cli.main import Friendly\n"
+        "group = Friendly('harness')\n"
+        "@group.command()\ndef load():\n"
+        f"    try:\n        os.kill(os.getpid(), signal.{number})\n"
+        "    except BaseException as error:\n        raise ImportError('initialization failed') from error\n"
+        "group(['load'])\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert len(done.stderr.splitlines()) == 1
