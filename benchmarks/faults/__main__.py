@@ -86,12 +86,12 @@ _TEXT = """\
 Made by `python -m benchmarks.faults` (seed {seed}, {instants} signals). Each command writes into a folder with an
 earlier result of the same command and a file of the user's. Half of the signals come at a random time of the command,
 counted from when Python has started; half at a random one of its file operations, the moves of finished files into
-place among them. The disk is full from a random file operation on, or a file cannot grow beyond a random size. A fault
-is survived if the user's file and all inputs are as they were, the folder holds the earlier result or the new one,
-whole (after a kill: once the next command has come to the folder), nothing else is left (a kill may leave a hidden
-folder), the exit code is right, and there is no traceback; every fourth time the next command is tried, and works. Exit
-code 0: the command had come to its end before. An engine that hangs is not told by the command itself; it ends at the
-first signal.
+place among them. The disk is full from a random file operation on, or a file cannot grow beyond a random size. A
+fault is survived if the user's file and all inputs are as they were, the folder holds the earlier result or the new
+one, whole (after a kill, or where the disk lets no file be moved back: once the next command has come to the folder),
+nothing else is left (but hidden folders after these two), the exit code is right, and there is no traceback; every
+fourth time the next command is tried, and works. Exit code 0: the command had come to its end before. An engine that
+hangs is not told by the command itself; it ends at the first signal.
 
 | fault | command | tried | exit codes | survived |
 |---|---|---|---|---|
