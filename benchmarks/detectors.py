@@ -21,12 +21,12 @@ from scipy.stats import binomtest
 from analytic.motion import FloatArray
 from benchmarks.calibration.pose import experiment_of
 from benchmarks.calibration.trials import RIG, plan
+from benchmarks.sections import put
 from harness.errors import InputError
 from harness.recording import KnownRig, Sensors, load_case, load_recording
 from harness.recording.known_rig import known_rig_of
 
 DOCS = Path("docs/reliability.md")
-BEGIN, END = "<!-- detectors: begin -->", "<!-- detectors: end -->"
 FAULTY = 120
 """Simulated recordings that each fault is put into."""
 
@@ -211,15 +211,6 @@ def section(false: Sequence[str], power: Sequence[str]) -> str:
     return _TEXT.format(false="\n".join(false), power="\n".join(power))
 
 
-def put(text: str, into: str) -> str:
-    """The page with this section in the place of the one before, or at its end."""
-    marked = f"{BEGIN}\n{text}\n{END}\n"
-    if BEGIN in into and END in into:
-        before, _, rest = into.partition(BEGIN)
-        return before + marked + rest.partition(END)[2].lstrip("\n")
-    return (into.rstrip("\n") + "\n\n" if into else "# Reliability\n\n") + marked
-
-
 @click.command()
 @click.option("--trials", default=280, show_default=True, help="Blind trials whose recordings are the clean ones.")
 @click.option(
@@ -242,9 +233,8 @@ def main(trials: int, folders: Sequence[Path], out: Path) -> None:
             cells = [_share(*noticed(fault, samples, folder)) for samples in (ordinary, real)]
             power.append(f"| {fault} | {' | '.join(cells)} |")
             click.echo(power[-1], err=True)
-    out.write_text(
-        put(section(false, power), out.read_text(encoding="utf-8") if out.exists() else ""), encoding="utf-8"
-    )
+    page = out.read_text(encoding="utf-8") if out.exists() else ""
+    out.write_text(put("detectors", section(false, power), page, title="Reliability"), encoding="utf-8")
 
 
 def _share(found: int, tried: int) -> str:

@@ -17,9 +17,9 @@ import numpy as np
 
 from benchmarks.faults.scene import Scene
 from benchmarks.faults.trials import Trial, disk, parts, signals
+from benchmarks.sections import put
 
 DOCS = Path("docs/reliability.md")
-BEGIN, END = "<!-- faults: begin -->", "<!-- faults: end -->"
 
 
 def section(trials: Sequence[Trial], seed: int) -> str:
@@ -45,15 +45,6 @@ def section(trials: Sequence[Trial], seed: int) -> str:
     )
 
 
-def put(text: str, into: str) -> str:
-    """The page with this section in the place of the one before, or at its end."""
-    marked = f"{BEGIN}\n{text}\n{END}\n"
-    if BEGIN in into and END in into:
-        before, _, rest = into.partition(BEGIN)
-        return before + marked + rest.partition(END)[2].lstrip("\n")
-    return (into.rstrip("\n") + "\n\n" if into else "# Reliability\n\n") + marked
-
-
 @click.command()
 @click.option("--instants", default=200, show_default=True, help="Signals sent, over all commands.")
 @click.option("--full", "each", default=8, show_default=True, help="Times that the disk is full, for each command.")
@@ -76,7 +67,7 @@ def main(instants: int, each: int, failing: bool, seed: int, out: Path) -> None:
             click.echo(f"{one.fault}, {one.command}, {one.place}: exit code {one.code}, {outcome}", err=True)
             # After each of them: what has been measured in an hour is not lost where it is stopped.
             page = out.read_text(encoding="utf-8") if out.exists() else ""
-            out.write_text(put(section(trials, seed), page), encoding="utf-8")
+            out.write_text(put("faults", section(trials, seed), page, title="Reliability"), encoding="utf-8")
     sys.exit(1 if any(one.wrong for one in trials) else 0)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.detectors import BEGIN, END, FAULTS, Sample, false_alarms, noticed, put
+from benchmarks.detectors import FAULTS, Sample, false_alarms, noticed
 from harness.recording import Sensors
 from harness.recording.known_rig import known_rig_of
 from tests.recording.simulated import ANGLE_STEP, NOISE, PAPER, POSITION_STEP, simulated
@@ -40,10 +40,3 @@ def test_every_fault_changes_the_recording(samples: list[Sample], fault: str) ->
     changed = FAULTS[fault][0](one, np.random.default_rng(1))
     same = [np.array_equal(getattr(one, name), getattr(changed, name)) for name in ("time", "angle", "position")]
     assert not all(same) or changed.sensors != one.sensors
-
-
-def test_only_its_own_section_is_written() -> None:
-    """Leave what others wrote into the page, and replace what was there before."""
-    page = put("first", "# Reliability\n\nabove\n")
-    assert page == f"# Reliability\n\nabove\n\n{BEGIN}\nfirst\n{END}\n"
-    assert put("second", page + "\nbelow\n") == f"# Reliability\n\nabove\n\n{BEGIN}\nsecond\n{END}\nbelow\n"

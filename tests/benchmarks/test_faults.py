@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.faults.__main__ import BEGIN, END, put, section
+from benchmarks.faults.__main__ import section
 from benchmarks.faults.scene import MINE, Scene
 from benchmarks.faults.trials import Trial, disk, signals
 
@@ -44,6 +44,3 @@ def test_what_was_not_survived_is_written() -> None:
     text = section(trials, seed=0)
     assert "| SIGINT | `run` | 2 | 1: 1, 130: 1 | 1 |" in text
     assert "- SIGINT, `run`, 1.50 of 2.00 s: exit code 1 instead of 130" in text
-    page = put(text, "# Reliability\n\nabove\n")
-    assert page == f"# Reliability\n\nabove\n\n{BEGIN}\n{text}\n{END}\n"
-    assert put("second", page + "\nbelow\n") == f"# Reliability\n\nabove\n\n{BEGIN}\nsecond\n{END}\nbelow\n"
