@@ -22,3 +22,9 @@ def made(score: float, *names: str, spline: bool = False, parameters: int | None
     deviance = score - PRICE * count
     terms = Terms((), (), np.zeros(0), spline)
     return Fit(hypothesis, np.zeros(count), terms, 1e-8, deviance, np.zeros((count, count)), READINGS)
+
+
+def with_gain(gain: float) -> tuple[Fit, Fit]:
+    """A spline term and the fit without it, of which the BIC is higher by this."""
+    without = made(0.0)
+    return made(without.deviance - gain, spline=True, parameters=12), without

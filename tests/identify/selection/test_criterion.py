@@ -8,14 +8,12 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
-import numpy as np
 import pytest
 
-from harness.identify.estimate.fit import Estimator, Fit
-from harness.identify.problem.problem import WHITE, Problem
+from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
-from tests.identify.selection.made import PRICE, READINGS, made
+from tests.identify.selection.made import PRICE, READINGS, made, with_gain
 
 C = Criterion()
 HELD_OUT = (Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE)
@@ -66,12 +64,6 @@ def test_only_the_best_of_a_round_is_added() -> None:
     assert "does not lower" in C.decide(Rule.ADD, made(101.0, "level_error"), base, evidence).because
 
 
-def test_a_gain_below_the_threshold_is_called_too_little() -> None:
-    """Say that a small gain of the best candidate is too little."""
-    tried = made(97.0, "level_error")
-    assert "too little" in C.decide(Rule.ADD, tried, made(100.0), Evidence(winner=tried)).because
-
-
 @pytest.mark.parametrize(("gain", "stays"), [(6.01, True), (5.99, False)])
 def test_an_effect_stays_while_it_pays(gain: float, stays: bool) -> None:
     """Drop an effect that lowers the criterion by less than `keep` beside the others."""
@@ -112,12 +104,6 @@ def test_one_cause_is_preferred_to_two_that_explain_as_much(gain: float, kept: b
     """Merge two effects into one that is behind by less than the pair penalty."""
     one = made(100.0 - gain, "directional_resistance")
     assert C.decide(Rule.MERGE, one, made(100.0, "rolling_resistance", "level_error")).kept is kept
-
-
-def with_gain(gain: float) -> tuple[Fit, Fit]:
-    """A spline term and the fit without it, of which the BIC is higher by this."""
-    without = made(0.0)
-    return made(without.deviance - gain, spline=True, parameters=12), without
 
 
 @pytest.mark.parametrize(("gain", "kept"), [(20.01, True), (19.99, False)])
@@ -189,84 +175,6 @@ def test_at_its_threshold_a_spline_term_explains_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rule", "gain", "said"),
-    [
-        (Rule.DROP, 7.0, "lowers the BIC by 7.0 beside the others"),
-        (Rule.DROP, 5.0, "is no longer needed beside the others"),
-        (Rule.MERGE, 4.0, "the one effect fits better than the pair"),
-        (Rule.MERGE, 0.5, "the one effect fits as well as the pair"),
-        (Rule.MERGE, -0.5, "the one effect fits as well as the pair"),
-        (Rule.MERGE, -4.0, "the one effect fits worse than the pair"),
-        (Rule.SPLIT, 4.0, "the pair fits better than the one effect"),
-        (Rule.SPLIT, 0.5, "the pair fits no better than the one effect"),
-        (Rule.ADD, 7.0, "lowers the BIC by 7.0"),
-        (Rule.ADD, 0.5, "lowers the BIC by 0.5, too little"),
-        (Rule.ADD, -0.5, "does not lower the BIC"),
-    ],
-)
-def test_a_decision_gives_its_reason(rule: Rule, gain: float, said: str) -> None:
-    """Say in words what the numbers decided."""
-    assert C.decide(rule, made(100.0 - gain, "level_error"), made(100.0)).because == said
-
-
-@pytest.mark.parametrize(("gain", "said"), [(7.0, "lowers the BIC by 7.0"), (-0.5, "does not lower the BIC")])
-def test_the_reason_names_the_criterion_that_decided(gain: float, said: str) -> None:
-    """Speak of the BIC where the nodes of a spline term are doubled."""
-    fine, coarse = (made(score, spline=True, parameters=12) for score in (100.0 - gain, 100.0))
-    assert C.decide(Rule.REFINE, fine, coarse).because == said
-
-
-def test_what_gains_nothing_at_all_does_not_pay() -> None:
-    """Say so of a candidate that leaves the criterion exactly as it is, alone or in the place of an effect."""
-    idle, without, holder = made(100.0, "level_error", parameters=0), made(100.0), made(50.0, "track_bump")
-    assert C.decide(Rule.ADD, idle, without).because == "does not lower the BIC"
-    swap = C.decide(Rule.SWAP, idle, without, Evidence(winner=idle, holder=holder))
-    assert swap.because == "does not lower the BIC"
-
-
-def test_a_pair_of_which_one_is_idle_is_told_from_one_that_explains_no_more() -> None:
-    """Say that one of the two is not needed."""
-    pair, one = made(90.0, "rolling_resistance", "level_error"), made(100.0, "directional_resistance")
-    decision = C.decide(Rule.SPLIT, pair, one, Evidence(without=(made(91.0, "level_error"),)))
-    assert decision.because == "the pair fits better, but one of its effects is not needed"
-
-
-@pytest.mark.parametrize(
-    ("score", "said"),
-    [
-        (40.0, "lowers the BIC by 60.0"),
-        (50.5, "lowers the BIC by 49.5, 0.5 less than the effect that it would replace"),
-        (99.5, "lowers the BIC by 0.5, 49.5 less than the effect that it would replace"),
-        (100.5, "does not lower the BIC"),
-    ],
-)
-def test_a_swap_is_told_by_what_it_gains_and_by_what_it_would_replace(score: float, said: str) -> None:
-    """Say how far the best candidate is behind the effect that keeps its place."""
-    holder, without, tried = made(50.0, "level_error"), made(100.0), made(score, "track_curvature")
-    assert C.decide(Rule.SWAP, tried, without, Evidence(winner=tried, holder=holder)).because == said
-
-
-def test_a_candidate_that_is_not_best_is_told_which_was() -> None:
-    """Name what the best fit added last, in a round of additions or of swaps."""
-    without, holder = made(100.0), made(50.0, "track_bump")
-    best, second = made(40.0, "track_curvature", "level_error"), made(45.0, "track_curvature", "angle_gain")
-    for rule in (Rule.ADD, Rule.SWAP):
-        because = C.decide(rule, second, without, Evidence(winner=best, holder=holder)).because
-        assert because == "lowers the BIC by 55.0, 5 less than level_error"
-
-
-@pytest.mark.parametrize(("score", "said"), [(120.0, "does not lower the BIC"), (97.0, "lowers the BIC by 3.0")])
-def test_a_candidate_whose_fit_was_not_continued_says_so(score: float, said: str) -> None:
-    """Tell a candidate that a screening fit ruled out from one that was fitted to the end."""
-    without, best = made(100.0), made(40.0, "level_error")
-    for abandoned in (False, True):
-        tried = replace(made(score, "track_curvature"), abandoned=abandoned)
-        because = C.decide(Rule.ADD, tried, without, Evidence(winner=best)).because
-        assert because.startswith(said)
-        assert because.endswith(" (fit not continued)") is abandoned
-
-
-@pytest.mark.parametrize(
     ("rule", "threshold"), [(Rule.SPLINE, DEFAULT.spline_keep), (Rule.SPLIT, DEFAULT.pair_penalty)]
 )
 def test_further_evidence_is_needed_only_where_it_can_decide(rule: Rule, threshold: float) -> None:
@@ -278,30 +186,6 @@ def test_further_evidence_is_needed_only_where_it_can_decide(rule: Rule, thresho
         assert C.needs_evidence(rule, tried, without) is needed
         best = Evidence(winner=tried, before=(10.0,), after=(9.0,))
         assert C.decide(rule, tried, without, best).kept is needed
-
-
-@pytest.mark.parametrize(
-    ("gain", "after", "said"),
-    [
-        (50.0, (9.0,), "lowers the BIC by 50"),
-        (50.0, (11.0,), "lowers the BIC by 50, but fitted to some of the recordings it does not predict the others"),
-        (10.0, (9.0,), "lowers the BIC by 10, too little"),
-        (10.0, (11.0,), "lowers the BIC by 10, too little"),
-    ],
-)
-def test_a_spline_term_is_told_by_its_gain_and_what_recurs(gain: float, after: tuple[float, ...], said: str) -> None:
-    """Tell a gain that is too small from one that one recording alone has."""
-    spline, without = with_gain(gain)
-    evidence = Evidence(winner=spline, before=(10.0,), after=after)
-    assert C.decide(Rule.SPLINE, spline, without, evidence).because == said
-
-
-@pytest.mark.parametrize(("gain", "said"), [(7.0, "is needed beside the spline term"), (5.0, "is not needed beside")])
-def test_an_effect_beside_a_spline_term_is_told_whether_it_pays(gain: float, said: str) -> None:
-    """Say of an effect that the spline term does not contain whether it pays."""
-    spline, without = with_gain(50.0)
-    effect = made(C.value(spline) - gain, "level_error", spline=True, parameters=13)
-    assert C.decide(Rule.ABSORB, effect, spline, Evidence(holder=without)).because.startswith(said)
 
 
 def test_one_recording_of_three_is_not_half_of_them() -> None:
@@ -333,85 +217,6 @@ def test_what_is_left_is_judged_against_the_floor_of_the_input_noise(ratio: floa
 def test_exactly_so_far_behind_is_no_rival() -> None:
     """Count what is behind by the whole margin as told apart."""
     assert not Criterion(Settings(rival=0.0)).rivals(made(50.0, "track_bump"), made(50.0, "level_error"))
-
-
-BLOCKS = np.linspace(0.01, 0.03, 12)
-
-
-def free(factors: float | np.ndarray, *names: str) -> Fit:
-    """A fit to free runs with held-out errors of this many times `BLOCKS`."""
-    return replace(made(0.0, *names), estimator=Estimator.FREE_RUNS, held_out=tuple((factors * BLOCKS).tolist()))
-
-
-@pytest.mark.parametrize(("factor", "kept"), [(0.9, True), (1.0, True), (1.1, False)])
-def test_what_was_selected_may_not_predict_worse(factor: float, kept: bool) -> None:
-    """Drop what raises the mean error of held-out blocks, whatever its likelihood."""
-    decision = C.decide(Rule.VALIDATE, free(factor, "level_error"), free(1.0))
-    assert decision.kept is kept
-    assert f"{20.0 * factor:.3g} mm instead of 20 mm" in decision.because
-
-
-@pytest.mark.parametrize("rule", [Rule.JOINT, Rule.EXTEND, Rule.EXCHANGE])
-@pytest.mark.parametrize(("factor", "sure"), [(0.5, True), (1.0, False)])
-def test_what_held_out_blocks_select_is_sure_and_best(rule: Rule, factor: float, sure: bool) -> None:
-    """Keep terms by held-out blocks only beyond chance, and only the best of the round."""
-    tried, base = free(factor, "level_error"), free(1.0)
-    decision = C.decide(rule, tried, base, Evidence(winner=tried, tests=17))
-    assert decision.kept is sure
-    assert not C.decide(rule, tried, base, Evidence(winner=free(0.4, "track_bump"), tests=17)).kept
-
-
-def test_a_reduction_that_a_few_blocks_make_is_not_significant() -> None:
-    """Keep nothing that makes one block of twelve much better and the others a little worse, and say why."""
-    factors = np.r_[np.full(11, 1.02), 0.2]
-    decision = C.decide(Rule.JOINT, free(factors, "level_error"), free(1.0))
-    assert not decision.kept
-    assert decision.gain > 0.0
-    assert "not significant" in decision.because
-
-
-def test_a_set_of_effects_pays_by_a_fifth() -> None:
-    """Keep no set that surely reduces the error, but by too little to choose it among a dozen sets."""
-    decision = C.decide(Rule.JOINT, free(0.9, "level_error"), free(1.0))
-    assert not decision.kept
-    assert "too little" in decision.because
-    assert C.decide(Rule.EXTEND, free(0.9, "level_error"), free(1.0)).kept
-
-
-@pytest.mark.parametrize(("factor", "kept"), [(0.97, True), (0.99, False)])
-def test_an_effect_is_pruned_that_does_not_pay_for_its_parameter(factor: float, kept: bool) -> None:
-    """Ask 2 % of every parameter, e.g. factors below exp(−0.02) = 0.980."""
-    assert C.decide(Rule.PRUNE, free(factor, "level_error"), free(1.0)).kept is kept
-
-
-def test_more_candidates_need_a_surer_gain() -> None:
-    """Share the chance of a false positive among all candidates: the interval is wider."""
-    after = 1.0 - 0.2 * (-1.0) ** np.arange(12)
-    one, many = (C.reduction(free(after, "level_error"), free(1.0), tests) for tests in (1, 17))
-    assert many.low < one.low < one.value < one.high < many.high
-    assert C.reduction(free(after, "level_error"), free(1.0)) == one
-
-
-@pytest.mark.parametrize(("factor", "rival"), [(1.04, True), (1.06, False)])
-def test_rivals_over_seconds_predict_almost_as_well(factor: float, rival: bool) -> None:
-    """Count as a rival what predicts held-out blocks worse by less than 5 %; never a fit by likelihood."""
-    found = free(1.0, "level_error")
-    assert C.rivals(free(factor, "viscous_damping"), found) is rival
-    assert not C.rivals(made(-1e9, "viscous_damping"), found)
-
-
-@pytest.mark.parametrize(("error", "poor"), [(1.2, False), (1.3, True)])
-@pytest.mark.parametrize(("floor", "complete"), [(0.0, 1e-3), (1e-2, 0.01637)])
-def test_predictions_are_poor_where_a_complete_model_errs_less(
-    error: float, poor: bool, floor: float, complete: float
-) -> None:
-    """Judge median errors of windows against those of readings and angle; without any window nothing is poor."""
-    # With q = 1e-4 m²/s³ and readings of 1 mm at 100 Hz: √2 q^¾ (1e-8 m² s)^¼ = 1.41e-5 m²/s², which over 3 s adds
-    # 3 s² of it, 4.2e-5 m², and q 27/12 s³ = 2.25e-4 m²: a root of 16.4 mm with the 1e-6 m² of a reading.
-    one = SimpleNamespace(time=np.arange(100) * 0.01)
-    problem = cast(Problem, SimpleNamespace(reading_variance=1e-6, colour=WHITE, angle_floor=floor, recordings=(one,)))
-    assert C.predicts_poorly(problem, [0.5 * complete * error, 1.5 * complete * error]) is poor
-    assert not C.predicts_poorly(problem, [])
 
 
 @pytest.mark.parametrize(("behind", "first"), [(5.9, "rolling_resistance"), (6.1, "directional_resistance")])
