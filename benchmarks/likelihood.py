@@ -6,7 +6,6 @@ likelihood theory makes of them; where nothing is hidden, this shows whether the
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -32,6 +31,7 @@ from analytic.motion import FloatArray
 from benchmarks.calibration.pose import pose
 from benchmarks.calibration.store import sources_digest
 from benchmarks.calibration.trials import Trial, plan
+from benchmarks.kept_rows import KeptRows
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.settings import DEFAULT
@@ -126,31 +126,13 @@ def page(rows: Sequence[Mapping[str, float]], source: str) -> tuple[str, dict[st
     return _HEAD.format(source=source, trials=len(rows)) + table + "\n", found
 
 
-def kept(path: Path, source: str) -> dict[str, dict[str, float]]:
-    """Gains of the trials there are, by `Trial.spec`; a line that a stopped run cut short is left out."""
-    rows: dict[str, dict[str, float]] = {}
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-        try:
-            record = json.loads(line)
-        except ValueError:
-            continue
-        if record["source"] == source:
-            rows[record["spec"]] = record["gains"]
-    return rows
-
-
-def run(trials: Iterable[Trial], path: Path, source: str) -> list[dict[str, float]]:
+def run(trials: Iterable[Trial], kept: KeptRows) -> list[dict[str, float]]:
     """Gains of all these trials; those that are missing in the file are added to it one by one."""
-    rows = kept(path, source)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    wanted = list(trials)
-    for trial in wanted:
-        if trial.spec not in rows:
-            rows[trial.spec] = gains(trial)
-            with path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"source": source, "spec": trial.spec, "gains": rows[trial.spec]}) + "\n")
-            click.echo(f"{trial.plant} {trial.encoder} #{trial.number}", err=True)
-    return [rows[trial.spec] for trial in wanted]
+
+    def told(trial: Trial, _: dict[str, float]) -> None:
+        click.echo(f"{trial.plant} {trial.encoder} #{trial.number}", err=True)
+
+    return kept.of_trials(trials, gains, told)
 
 
 @click.command()
@@ -164,7 +146,7 @@ def main(count: int, path: Path, source: str | None, docs: Path) -> None:
     Rows are kept; a run that was stopped goes on where it was.
     """
     digest = source or sources_digest()
-    text, found = page(run(plan(("null",), count=count), path, digest), digest)
+    text, found = page(run(plan(("null",), count=count), KeptRows(path, digest)), digest)
     (docs / "likelihood.md").write_text(text, encoding="utf-8")
     draw(found, docs / "likelihood.png")
 

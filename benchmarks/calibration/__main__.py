@@ -22,6 +22,7 @@ _ROWS = Path("build/calibration/rows.jsonl")
 @click.option("--seeds", default=SEEDS, show_default=True, help="Trials of each effect and size.")
 @click.option("--only-effect", "only", multiple=True, help='Trials that hide this alone; pairs as "a + b".')
 @click.option("--jobs", default=os.cpu_count() or 1, show_default=True, help="Trials side by side.")
+@click.option("--on", default="", metavar="dask://HOST:PORT", help="Run them on this Dask cluster instead.")
 @click.option("--rows", default=_ROWS, show_default=True, type=click.Path(path_type=Path), help="Kept rows.")
 @click.option("--source", help="Take rows of this digest of the sources for current; default: the digest of what is.")
 @click.option("--tables-only", is_flag=True, help="Write tables of the rows there are.")
@@ -34,6 +35,7 @@ def main(
     seeds: int,
     only: tuple[str, ...],
     jobs: int,
+    on: str,
     rows: Path,
     source: str | None,
     tables_only: bool,
@@ -51,7 +53,7 @@ def main(
     except InputError as error:
         raise click.UsageError(str(error)) from error
     if not tables_only:
-        run_with_bar(trials, store, jobs=jobs)
+        run_with_bar(trials, store, jobs=jobs, on=on)
     found = list(store.rows().values())
     if not found:
         kept = ", ".join(f"{name} ({n})" for name, n in store.sources().most_common()) or "none"

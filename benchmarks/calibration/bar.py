@@ -11,11 +11,13 @@ from benchmarks.calibration.rows import Row
 from benchmarks.calibration.run import run
 from benchmarks.calibration.store import Store
 from benchmarks.calibration.trials import Trial
+from harness.jobs import executor_on
 
 
-def run_with_bar(trials: Sequence[Trial], store: Store, *, jobs: int) -> None:
-    """Make the rows that are missing, `jobs` side by side, and show on stderr how far that is."""
+def run_with_bar(trials: Sequence[Trial], store: Store, *, jobs: int, on: str = "") -> None:
+    """Make the rows that are missing and show on stderr how far that is: `jobs` side by side, or `on` a cluster."""
     missing = len(store.missing(trials))
+    executor = executor_on(on, jobs)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
         bar.console.print(f"{len(trials)} trials, {missing} of them to run (sources {store.source})", highlight=False)
@@ -25,7 +27,7 @@ def run_with_bar(trials: Sequence[Trial], store: Store, *, jobs: int) -> None:
             bar.console.print(_line(row), markup=False, highlight=False, soft_wrap=True)
             bar.advance(task)
 
-        run(trials, store, jobs=jobs, told=told)
+        run(trials, store, executor=executor, told=told)
 
 
 def _line(row: Row) -> str:

@@ -1,16 +1,13 @@
-"""Trials into rows, several side by side, each in a process with one thread for linear algebra."""
+"""Trials into rows, several side by side, on this machine or others."""
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from benchmarks.calibration.pose import pose
@@ -18,9 +15,10 @@ from benchmarks.calibration.rows import Named, Row
 from benchmarks.calibration.store import Store
 from benchmarks.calibration.trials import Trial
 from harness.identify.verdict import Identification, identify
+from harness.jobs import Executor, Lost
 
-# Read by the libraries when they are loaded, hence before a process begins.
-_ALONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+LONGEST = 3600.0
+"""Of a trial, which takes a minute: beyond, it hangs [s]."""
 
 
 def diagnosed(trial: Trial, source: str) -> Row:
@@ -56,33 +54,27 @@ def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row
     )
 
 
-def run(trials: Sequence[Trial], store: Store, *, jobs: int, told: Callable[[Row], None] = lambda _: None) -> None:
-    """Make the rows that are missing and keep each as soon as it is there; `told` is called with every one of them."""
+def run(
+    trials: Sequence[Trial],
+    store: Store,
+    *,
+    executor: Executor,
+    time_limit: float = LONGEST,
+    told: Callable[[Row], None] = lambda _: None,
+) -> None:
+    """Make the rows that are missing and keep each as soon as it is there; `told` is called with every one of them.
+
+    Args:
+        trials: of the study.
+        store: of the rows.
+        executor: runs the trials; one that it loses is a row with an error.
+        time_limit: for one trial [s].
+        told: is given every new row.
+    """
     missing = store.missing(trials)
-    if not missing:
-        return
-    with _alone(), ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        pending = [pool.submit(diagnosed, one, store.source) for one in missing]
-        try:
-            for each in as_completed(pending):
-                row = each.result()
-                store.append(row)
-                told(row)
-        except BaseException:  # also when the user stops it: what has not begun need not begin
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-@contextmanager
-def _alone() -> Iterator[None]:
-    """An environment in which processes begin with one thread for linear algebra."""
-    before = {name: os.environ.get(name) for name in _ALONE}
-    os.environ.update(_ALONE)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+    work = partial(diagnosed, source=store.source)
+    for index, made in executor.run(work, missing, time_limit=time_limit):
+        if isinstance(made, Lost):
+            made = Row(trial=missing[index], source=store.source, verdict="", seconds=0.0, error=made.message)
+        store.append(made)
+        told(made)

@@ -12,6 +12,7 @@ from benchmarks.calibration.__main__ import main
 from benchmarks.calibration.rows import Row
 from benchmarks.calibration.store import Store, sources_digest
 from benchmarks.calibration.trials import Trial, plan
+from harness.jobs import Local, OneProcess
 from tests.benchmarks.made import SOURCE, named, row, trial
 
 ROWS = [
@@ -38,10 +39,10 @@ def test_nothing_is_computed_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     store = Store(tmp_path / "rows.jsonl", SOURCE)
     for one in ROWS:
         store.append(one)
-    monkeypatch.setattr(running, "ProcessPoolExecutor", refuse)
-    running.run([one.trial for one in ROWS], store, jobs=1, told=refuse)
+    monkeypatch.setattr(running, "diagnosed", refuse)
+    running.run([one.trial for one in ROWS], store, executor=OneProcess(), told=refuse)
     with pytest.raises(AssertionError, match="computed"):
-        running.run([trial("null", "none", 1)], store, jobs=1)
+        running.run([trial("null", "none", 1)], store, executor=OneProcess())
 
 
 def test_what_failed_or_is_stale_is_computed_anew(tmp_path: Path) -> None:
@@ -105,7 +106,7 @@ def test_a_blind_trial_names_what_was_hidden(tmp_path: Path, plant: str) -> None
     """Find a large level error from the case on disk, in a process of its own, whatever moved the ball."""
     store = Store(tmp_path / "rows.jsonl", sources_digest())
     one = of_plant(plant)
-    running.run([one], store, jobs=1)
+    running.run([one], store, executor=Local(1))
     found = store.rows()[one.spec]
     assert found.error is None
     assert [each.name for each in found.named] == ["level_error"]
