@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from analytic import slots
 from analytic.compiled import njit
+from analytic.lean import GENERAL, SMOOTH, dry_run, path_of, smooth_run, tilts
 from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
@@ -33,12 +34,26 @@ def _integrate(
     last: NDArray[np.int64],
     out: FloatArray,
 ) -> None:
+    tilted = np.empty(tables.shape[1])  # sin(α + α₀), filled from row `low` to `high`
+    low, high, motion, level, linear = 0, -1, -1, 0.0, 0.0  # what it was filled for
     for run in range(starts.shape[0]):
         p = parameters[run]
         table = tables[table_of[run]]
         s, v, w = starts[run, 0], starts[run, 1], 0.0
         stamp = first[run]
         out[run, stamp, 0], out[run, stamp, 1] = s, v
+        path = path_of(p)
+        if path != GENERAL:
+            begin, end = 2 * marks[first[run]], 2 * marks[last[run]]
+            same = table_of[run] == motion and p[slots.LEVEL] == level and p[slots.LINEAR] == linear
+            if not same or begin < low or end > high:
+                tilts(table, begin, end, p, tilted)
+                low, high, motion, level, linear = begin, end, table_of[run], p[slots.LEVEL], p[slots.LINEAR]
+            if path == SMOOTH:
+                smooth_run(steps, marks, table, tilted, p, first[run], last[run], out[run])
+            else:
+                dry_run(steps, marks, table, tilted, p, first[run], last[run], out[run])
+            continue
         for j in range(marks[first[run]], marks[last[run]]):
             s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
             if j + 1 == marks[stamp + 1]:

@@ -17,6 +17,10 @@ class Failure(StrEnum):
     RESET = "the engine reset its state (bad acceleration); lower the time step or make the contact softer"
     FROZEN = "the engine repeated its state while time advanced; lower the time step"
     CRASHED = "the engine's package raised this; check its installation with another recording, and report it"
+    LIFTED_OFF = (
+        "the ball lifts off the beam: the normal force of CAM (eq. 14) falls below zero. What follows is no rolling; "
+        "move the beam more gently, or end the recording before"
+    )
     RAN_OFF = "the ball ran past the end of the rails; check the level angle and the start state"
 
 
@@ -34,6 +38,7 @@ class Health:
         angle_error_max: largest |beam angle in the engine − angle asked for| [rad].
         steps: number of steps taken.
         warnings: issued by the engine itself.
+        lifted_off: when the ball lifted off for the first time, although it came back so that the run is valid [s].
     """
 
     contacts_min: int
@@ -45,3 +50,4 @@ class Health:
     angle_error_max: float
     steps: int
     warnings: tuple[str, ...] = ()
+    lifted_off: float | None = None
