@@ -15,7 +15,7 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.selection.candidates import hidden_by
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import BaselineComparison, compare_with_baselines
-from harness.identify.validation.engine_errors import engine_errors, engines_running
+from harness.identify.validation.engine_errors import NO_SETTINGS, EngineSettings, engine_errors, engines_running
 from harness.identify.validation.held_out import (
     UNKNOWN,
     BeforeAfter,
@@ -27,6 +27,7 @@ from harness.identify.validation.held_out import (
 )
 from harness.identify.verdict import Identification, Verdict, identify
 from harness.progress import Progress, Stage, silent
+from harness.scene import Scene
 
 T = TypeVar("T")
 
@@ -76,6 +77,8 @@ def diagnose(
     also: Sequence[PreparedRecording] = (),
     length: float | None = None,
     jobs: int = 1,
+    settings: EngineSettings = NO_SETTINGS,
+    scene: Scene | None = None,
 ) -> Diagnosis:
     """Identify, validate, compare with the baselines and propose the next experiment.
 
@@ -86,10 +89,12 @@ def diagnose(
         also: further recordings, used for validation only.
         length: of the beam, where it is known [m]; the next experiment may use all of it.
         jobs: processes for the engines' runs (`harness.parallel`); 1 runs them in this process.
+        settings: of the engines by their names; their defaults without.
+        scene: of the user's own, which engines run in place of the built-in one.
     """
     failures = Failures()
     identified = identify(problem, Stage(progress, *_SEARCH), failures)
-    return validate(identified, failures, progress, also=also, length=length, jobs=jobs)
+    return validate(identified, failures, progress, also=also, length=length, jobs=jobs, settings=settings, scene=scene)
 
 
 def validate(
@@ -101,12 +106,14 @@ def validate(
     length: float | None = None,
     engines: bool = True,
     jobs: int = 1,
+    settings: EngineSettings = NO_SETTINGS,
+    scene: Scene | None = None,
 ) -> Diagnosis:
     """Validate an identification, compare it with the baselines and propose the next experiment.
 
     Args:
         failures: of the identification; collects further ones.
-        progress, also, length, jobs: as of `diagnose`.
+        progress, also, length, jobs, settings, scene: as of `diagnose`.
         engines: whether the engines run, too.
     """
     validating, running = (Stage(progress, *stage) for stage in (_VALIDATION, _ENGINES))
@@ -121,14 +128,25 @@ def validate(
     others = {
         one.name: Another(
             validated(f"on {one.name}", partial(on_another, problem, base, found, one, validating), UNKNOWN),
-            engine_errors(HeldOut(problem, base, found, (one,)), progress=validating, jobs=jobs, failures=failures)
+            engine_errors(
+                HeldOut(problem, base, found, (one,)),
+                progress=validating,
+                jobs=jobs,
+                failures=failures,
+                settings=settings,
+                scene=scene,
+            )
             if engines
             else {},
         )
         for one in also
     }
     in_sample = HeldOut(problem, base, found, problem.recordings)
-    run = engines_running(in_sample, held, running, jobs=jobs, failures=failures) if engines else nullcontext(dict)
+    run = (
+        engines_running(in_sample, held, running, jobs=jobs, failures=failures, settings=settings, scene=scene)
+        if engines
+        else nullcontext(dict)
+    )
     with run as errors_of_engines:
         made = Diagnosis(
             **vars(identified),

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import TWO_SIDED, Fit
-from harness.identify.estimate.own_values import own_deviations, own_of
-from harness.identify.filter.run import FilterRun, run_filter
+from harness.identify.estimate.own_values import estimates_own, own_deviations, own_of
+from harness.identify.filter.run import FilterRun, run_ahead, run_filter
 from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import PreparedRecording, Problem
 
@@ -43,6 +44,33 @@ def filtered(problem: Problem, found: Fit, recording: PreparedRecording, reading
     """Run the filter of a fit over a recording with these readings, shape (n,) [m], which also give its own values."""
     own = own_of(problem, found, recording, reading)
     return run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
+
+
+def filtered_ahead(
+    problem: Problem, found: Fit, recording: PreparedRecording, spans: Sequence[slice]
+) -> tuple[FilterRun, list[FilterRun]]:
+    """The filter of a fit over a recording, and over each of some spans from the readings before it, without its own.
+
+    Where the recording was not fitted, the readings before a span also give the recording's own values.
+
+    Args:
+        spans: consecutive stamps each, with a begin and an end.
+
+    Returns:
+        The run over all stamps, and one over the stamps of each span.
+    """
+    own = own_of(problem, found, recording, recording.reading)
+    if not estimates_own(found, recording):
+        return run_ahead(problem, recording, found.terms, found.process_noise, spans, own=own)
+    ahead: dict[int, FilterRun] = {}
+    for begin in {span.start for span in spans}:
+        before = np.where(np.arange(len(recording.time)) < begin, recording.reading, np.nan)
+        then = own_of(problem, found, recording, before)
+        same = [i for i, span in enumerate(spans) if span.start == begin]
+        runs = run_ahead(problem, recording, found.terms, found.process_noise, [spans[i] for i in same], own=then)[1]
+        ahead |= dict(zip(same, runs, strict=True))
+    whole = run_filter(problem, recording, found.terms, found.process_noise, own=own)
+    return whole, [ahead[i] for i in range(len(spans))]
 
 
 def forecast(

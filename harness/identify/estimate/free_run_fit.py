@@ -115,18 +115,31 @@ class FreeRuns:
 
     def runs(self, terms: Terms, starts: FloatArray) -> FloatArray:
         """Recorded positions of the runs, shape (readings,) [m]."""
-        return self._runs(terms, starts, slopes=False)[0]
+        return self._runs(terms, starts, self._groups, slopes=False)[0]
+
+    def moved_of(self, recording: PreparedRecording, terms: Terms, starts: FloatArray, here: FloatArray) -> FloatArray:
+        """`runs` where the terms differ from those of the runs `here` in what one recording has of its own alone."""
+        moved, readings, windows = here.copy(), 0, 0
+        for group in self._groups:
+            rows = slice(readings, readings + int(np.sum(group.last - group.first)))
+            if group.recording is recording.thinned:
+                begin = starts[windows : windows + len(group.first)]
+                moved[rows] = self._runs(terms, begin, [group], slopes=False)[0]
+            readings, windows = rows.stop, windows + len(group.first)
+        return moved
 
     def runs_and_slopes(self, terms: Terms, starts: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The same, and their derivatives by the starts, shape (readings, 2) [1], [s]."""
-        return self._runs(terms, starts, slopes=True)
+        return self._runs(terms, starts, self._groups, slopes=True)
 
-    def _runs(self, terms: Terms, starts: FloatArray, *, slopes: bool) -> tuple[FloatArray, FloatArray]:
+    def _runs(
+        self, terms: Terms, starts: FloatArray, groups: Sequence[_Group], *, slopes: bool
+    ) -> tuple[FloatArray, FloatArray]:
         sensor = self.problem.sensor(terms.effects)
         runs, derivatives, at = [], [], 0
         position = sensor.position(starts[:, 0])
         begins = np.column_stack((position, starts[:, 1] / sensor.slope(position)))
-        for recording, first, last in self._groups:
+        for recording, first, last in groups:
             p, table = dynamics(self.problem, recording, terms, terms.own_of(recording.name))
             begin = begins[at : at + len(first)]
             windows = first, last, beam_over(recording, table), p, sensor.lag, begin
@@ -329,10 +342,14 @@ def _jacobian(runs: FreeRuns, hypothesis: Hypothesis, point: _Point, width: floa
     high = hypothesis.bounds(runs.problem)[1]
     here = runs.reading - point.residual
     columns = []
-    for i in range(len(point.theta)):
+    for i, recording in enumerate(hypothesis.recording_of(runs.problem)):
         step = np.zeros(len(point.theta))
         step[i] = width if point.theta[i] + width <= high[i] else -width
-        moved = runs.runs(hypothesis.terms(point.theta + step, runs.problem), point.starts)
+        terms = hypothesis.terms(point.theta + step, runs.problem)
+        if recording is None:
+            moved = runs.runs(terms, point.starts)
+        else:
+            moved = runs.moved_of(runs.problem.recordings[recording], terms, point.starts, here)
         columns.append((moved - here) / step[i])
     return np.column_stack(columns) if columns else np.zeros((len(here), 0))
 

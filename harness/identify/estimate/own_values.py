@@ -22,13 +22,18 @@ _WIDTHS = 3  # of the differences that tell a deviation, each of the size that t
 _REACHES = (1.0, 0.1)  # of the search for a value, in the catalogue's largest: first all, then near the first
 
 
+def estimates_own(found: Fit, recording: PreparedRecording) -> bool:
+    """Whether a recording has values of its own that the fit does not have, so that its readings have to give them."""
+    return bool(found.hypothesis.own) and recording.name not in found.terms.recordings
+
+
 def own_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray) -> Own:
     """What a recording has of its own: as fitted, or else of maximum likelihood for `reading`, shape (n,) [m].
 
     Values of effects have the prior of the fit, as a ball that friction holds at rest says nothing of them.
     """
     own = found.terms.own_of(recording.name)
-    if recording.name in found.terms.recordings or not found.hypothesis.own:
+    if not estimates_own(found, recording):
         return own
     deviance = _deviance(problem, found, recording, reading)
     for reach in _REACHES:
@@ -43,7 +48,7 @@ def own_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: 
 
 def own_deviations(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray, own: Own) -> Own:
     """Standard deviation of each value of `own_of`, by the curvature of the deviance; 0 where it was fitted."""
-    if recording.name in found.terms.recordings or not found.hypothesis.own:
+    if not estimates_own(found, recording):
         return Own(0.0, dict.fromkeys(own.values, 0.0))
     deviance = _deviance(problem, found, recording, reading)
 

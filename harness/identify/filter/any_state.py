@@ -17,6 +17,7 @@ from harness.identify.filter.arguments import (
     VELOCITY_VARIANCE,
     BeamTable,
     FilterOutput,
+    Memory,
     Readings,
     Sensor,
     angle_nudge,
@@ -43,6 +44,8 @@ def any_state(
     process_noise: float,
     error: ErrorProcess,
     points: bool,
+    memory: Memory,
+    first: int,
     out: FilterOutput,
 ) -> None:
     """Fill `out`; the other arguments are those of `extended_kalman_filter`.
@@ -68,8 +71,10 @@ def any_state(
     ahead, behind, dry = np.zeros(8), np.zeros(8), points and not slips and has_dry_friction(p)
     row_of_v = 2 if lag > 0.0 else 1
     local = np.empty((3, beam.table.shape[1]))
-    begun = False
-    for k in range(len(time)):
+    L[:] = memory.root[:size, :size]
+    x[:] = memory.x
+    begun = memory.begun[0]
+    for k in range(first, first + len(out.innovation)):
         if begun:
             dt = time[k] - time[k - 1]
             moved[:] = x
@@ -133,7 +138,7 @@ def any_state(
                 for j in range(size if coloured else 1):
                     f[j] = slope * L[0, j] + (L[last, j] if coloured else 0.0)
                     S += f[j] * f[j]
-                out.innovation[k], out.innovation_variance[k] = e, S
+                out.innovation[k - first], out.innovation_variance[k - first] = e, S
                 S_weighted, R_weighted = weighted(e, S, reading_variance)
                 if coloured:
                     _read(x, states, L, M, f, e, S_weighted, R_weighted)
@@ -156,8 +161,11 @@ def any_state(
                 root_of(error.covariance[k], L, few)
                 begun = True
         for i in range(4):
-            out.state[k, i] = x[i]
-        out.position_variance[k] = L[0, 0] ** 2
+            out.state[k - first, i] = x[i]
+        out.position_variance[k - first] = L[0, 0] ** 2
+    memory.root[:size, :size] = L
+    memory.x[:] = x
+    memory.begun[0] = begun
 
 
 @njit(cache=True, inline="always")

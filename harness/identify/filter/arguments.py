@@ -71,6 +71,29 @@ class FilterOutput(NamedTuple):
     position_variance: FloatArray
 
 
+class Memory(NamedTuple):
+    """What the filter knows after a stamp, from which it can go on at the next one; zeros before the first reading.
+
+    Attributes:
+        begun: whether there was a reading, shape (1,).
+        x: state, in the order of the form of the filter, shape (8,).
+        root: triangular root of the covariance, in its first rows and columns, shape (8, 8).
+    """
+
+    begun: NDArray[np.bool_]
+    x: FloatArray
+    root: FloatArray
+
+    @classmethod
+    def blank(cls) -> Memory:
+        """Before the first reading."""
+        return cls(np.zeros(1, dtype=np.bool_), np.zeros(8), np.zeros((8, 8)))
+
+    def copy(self) -> Memory:
+        """The same, which a run from here on leaves as it is."""
+        return Memory(self.begun.copy(), self.x.copy(), self.root.copy())
+
+
 @njit(cache=True, inline="always")
 def weighted(e: float, S: float, reading_variance: float) -> tuple[float, float]:
     """Innovation and reading variance that down-weight an innovation e: S' = S/w and R' = R + S (1/w − 1) [m²]."""

@@ -21,7 +21,7 @@ from analytic.compiled import njit
 from analytic.motion import FloatArray
 from analytic.slots import DAHL, TRACTION
 from harness.identify.filter.any_state import any_state
-from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Readings, Sensor
+from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Memory, Readings, Sensor
 from harness.identify.filter.usual_state import usual_state
 from harness.signals.error_process import ErrorProcess
 
@@ -34,6 +34,9 @@ def extended_kalman_filter(
     process_noise: float,
     error: ErrorProcess,
     points: bool = True,
+    *,
+    memory: Memory | None = None,
+    use: slice = slice(None),
 ) -> FilterOutput:
     """Innovations, states and their variances of one recording.
 
@@ -45,8 +48,12 @@ def extended_kalman_filter(
         process_noise: density of the process noise [m²/s³].
         error: of the beam's angle at the stamps.
         points: whether steps to a reading in which dry friction may stop the ball are taken at points.
+        memory: what the filter knows before the stamps `use`, and after them when it returns; nothing by default.
+        use: consecutive stamps to run over; the output is of these.
     """
-    return FilterOutput(*_filtered(readings, beam, p, sensor, process_noise, error, points))
+    first, last, _ = use.indices(len(readings.time))
+    memory = Memory.blank() if memory is None else memory
+    return FilterOutput(*_filtered(readings, beam, p, sensor, process_noise, error, points, memory, first, last))
 
 
 @njit(cache=True, nogil=True)
@@ -58,17 +65,20 @@ def _filtered(
     process_noise: float,
     error: ErrorProcess,
     points: bool,
+    memory: Memory,
+    first: int,
+    last: int,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """The fields of `FilterOutput`.
 
     As a plain tuple: to make a named one, compiled code would call Python, and crash where a signal raises there.
     """
-    n = len(readings.time)
+    n = last - first
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
     if p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0:
-        usual_state(readings, beam, p, sensor, process_noise, error, points, out)
+        usual_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)
     else:
-        any_state(readings, beam, p, sensor, process_noise, error, points, out)
+        any_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)
     return out.innovation, out.innovation_variance, out.state, out.position_variance
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.filter.ekf import negative_two_log_likelihood, penalty
-from harness.identify.filter.run import innovations
+from harness.identify.filter.run import innovations, innovations_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
@@ -18,6 +18,7 @@ class Residuals:
         self._problem, self._hypothesis, self.process_noise = problem, hypothesis, process_noise
         self._lowest, self._highest = hypothesis.bounds(problem)
         self._latest: tuple[bytes, FloatArray, FloatArray] | None = None
+        self._recordings = hypothesis.recording_of(problem)
 
     def _predicted(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Innovations [m] and their variances [m²], shape (readings,) each; cached for the latest θ."""
@@ -29,9 +30,7 @@ class Residuals:
 
     def at(self, theta: FloatArray) -> FloatArray:
         """Residuals sign(z) √ρ(z) of the normalised innovations z, shape (readings,)."""
-        innovation, variance = self._predicted(theta)
-        ratio = innovation / np.sqrt(variance)
-        return np.sign(ratio) * np.sqrt(penalty(ratio))
+        return _normalised(*self._predicted(theta))
 
     def deviance(self, theta: FloatArray) -> float:
         """Deviance."""
@@ -42,11 +41,42 @@ class Residuals:
         here = self.at(theta)
         inside = (theta + step <= self._highest) & (theta + step >= self._lowest)
         moves = np.diag(np.where(inside, step, -step))
-        return np.column_stack([(self.at(theta + move) - here) / move.sum() for move in moves])
+        return np.column_stack([self._rise(theta, theta + moves[i], i, here) / moves[i, i] for i in range(len(theta))])
 
     def jacobian_over(self, theta: FloatArray, reach: FloatArray) -> FloatArray:
         """Jacobian of `at` by differences over ± `reach`, shape (k,), within the bounds; shape (readings, k)."""
         low, high = np.maximum(theta - reach, self._lowest), np.minimum(theta + reach, self._highest)
-        ends = [(np.where(axis, low, theta), np.where(axis, high, theta)) for axis in np.eye(len(theta), dtype=bool)]
-        rises = [self.at(above) - self.at(below) for below, above in ends]
+        axes = np.eye(len(theta), dtype=bool)
+        rises = [self._rise(np.where(axis, low, theta), np.where(axis, high, theta), i) for i, axis in enumerate(axes)]
         return np.column_stack(rises) / (high - low)
+
+    def _rise(self, start: FloatArray, end: FloatArray, number: int, here: FloatArray | None = None) -> FloatArray:
+        """Change of `at` between two θ that differ in the parameter of this number, shape (readings,).
+
+        What one recording has of its own changes no other, which then need not be run: with a parameter for each of the
+        recordings, a Jacobian would else take time with their square.
+
+        Args:
+            here: `at(start)`, where it is known.
+        """
+        recording = self._recordings[number]
+        if recording is None:
+            return self.at(end) - (self.at(start) if here is None else here)
+        sizes = [int(one.judged.sum()) for one in self._problem.recordings]
+        begin = sum(sizes[:recording])
+        rows = slice(begin, begin + sizes[recording])
+        rise = np.zeros(sum(sizes))
+        rise[rows] = self._of(recording, end) - (self._of(recording, start) if here is None else here[rows])
+        return rise
+
+    def _of(self, recording: int, theta: FloatArray) -> FloatArray:
+        """`at` for the readings of one recording alone."""
+        terms = self._hypothesis.terms(theta, self._problem)
+        one = self._problem.recordings[recording]
+        return _normalised(*innovations_of(self._problem, one, terms, self.process_noise))
+
+
+def _normalised(innovation: FloatArray, variance: FloatArray) -> FloatArray:
+    """Residuals sign(z) √ρ(z) of the normalised innovations z, same shape."""
+    ratio = innovation / np.sqrt(variance)
+    return np.sign(ratio) * np.sqrt(penalty(ratio))

@@ -11,7 +11,7 @@ import numpy as np
 from analytic.effects import SensorLaw, parameters_with
 from analytic.motion import FloatArray
 from analytic.slots import ORIGIN
-from harness.identify.filter.arguments import BeamTable, Readings, Sensor
+from harness.identify.filter.arguments import BeamTable, FilterOutput, Memory, Readings, Sensor
 from harness.identify.filter.ekf import extended_kalman_filter, negative_two_log_likelihood
 from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
@@ -102,18 +102,8 @@ def run_parts(
     points: bool = True,
 ) -> list[FilterRun]:
     """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
-    law = problem.sensor(added.effects)
+    law, sensor = problem.sensor(added.effects), _sensor(problem, added)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
-    noise = problem.colour
-    sensor = Sensor(
-        law.gain,
-        law.lag,
-        problem.reading_variance * (1.0 - noise.share),
-        law.square,
-        law.cube,
-        problem.reading_variance * noise.share,
-        noise.time,
-    )
     error = recording.error_with((*problem.declared, *added.effects))
     runs = []
     for use, reading in parts:
@@ -125,6 +115,62 @@ def run_parts(
     return runs
 
 
+def run_ahead(
+    problem: Problem,
+    recording: PreparedRecording,
+    added: Terms,
+    process_noise: float,
+    spans: Sequence[slice],
+    *,
+    own: Own | None = None,
+) -> tuple[FilterRun, list[FilterRun]]:
+    """Run the filter over one recording, and from its readings before each of some spans on over that span without any.
+
+    The run over the recording is made once and halted where spans begin, so that the work grows with the length of the
+    recording and of the spans.
+
+    Args:
+        spans: consecutive stamps each, with a begin and an end.
+        own, added, process_noise: as for `run_filter`.
+
+    Returns:
+        The run over all stamps, and one over the stamps of each span.
+    """
+    law, sensor = problem.sensor(added.effects), _sensor(problem, added)
+    p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
+    error, beam = recording.error_with((*problem.declared, *added.effects)), beam_over(recording, table)
+    known = Readings(recording.time, recording.reading)
+    none = Readings(recording.time, np.full_like(recording.reading, np.nan))
+
+    def run(readings: Readings, memory: Memory, use: slice) -> FilterOutput:
+        return extended_kalman_filter(readings, beam, p, sensor, process_noise, error, memory=memory, use=use)
+
+    memory, parts, at = Memory.blank(), [], 0
+    ahead: dict[int, FilterRun] = {}
+    for i in sorted(range(len(spans)), key=lambda i: int(spans[i].start)):
+        if spans[i].start > at:
+            parts.append(run(known, memory, slice(at, spans[i].start)))
+            at = spans[i].start
+        ahead[i] = FilterRun(*run(none, memory.copy(), spans[i]), law)
+    parts.append(run(known, memory, slice(at, None)))
+    whole = FilterOutput(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    return FilterRun(*whole, law), [ahead[i] for i in range(len(spans))]
+
+
+def _sensor(problem: Problem, added: Terms) -> Sensor:
+    """The sensor as the filter takes it, with terms beside the known effects."""
+    law, noise = problem.sensor(added.effects), problem.colour
+    return Sensor(
+        law.gain,
+        law.lag,
+        problem.reading_variance * (1.0 - noise.share),
+        law.square,
+        law.cube,
+        problem.reading_variance * noise.share,
+        noise.time,
+    )
+
+
 def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slice(None)) -> BeamTable:
     """The beam's motion over consecutive stamps of a recording, from its table."""
     steps, marks = recording.grid.steps, recording.grid.marks[use]
@@ -134,11 +180,17 @@ def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slic
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
     """Innovations of all recordings and their variances, shape (readings,) each [m], [m²], at a density [m²/s³]."""
-    runs = [(one.judged, run_filter(problem, one, added, process_noise)) for one in problem.recordings]
-    return (
-        np.concatenate([run.innovation[judged] for judged, run in runs]),
-        np.concatenate([run.innovation_variance[judged] for judged, run in runs]),
-    )
+    each = [innovations_of(problem, one, added, process_noise) for one in problem.recordings]
+    innovation, variance = zip(*each, strict=True)
+    return np.concatenate(innovation), np.concatenate(variance)
+
+
+def innovations_of(
+    problem: Problem, recording: PreparedRecording, added: Terms, process_noise: float
+) -> tuple[FloatArray, FloatArray]:
+    """As `innovations`, of one recording."""
+    run = run_filter(problem, recording, added, process_noise)
+    return run.innovation[recording.judged], run.innovation_variance[recording.judged]
 
 
 def deviance(problem: Problem, added: Terms, process_noise: float) -> float:

@@ -113,6 +113,12 @@ class Hypothesis:
         begin = len(self.parameters) + self.own.index(name) * count
         return slice(begin, begin + count)
 
+    def recording_of(self, problem: Problem) -> list[int | None]:
+        """Number of the recording that each of θ alone concerns, `None` for what concerns all; k entries."""
+        count = len(problem.recordings)
+        of_own: list[int | None] = [*range(count)] * len(self.own)
+        return [None] * len(self.parameters) + of_own + [None] * self.tail(problem)[1]
+
     @property
     def turning(self) -> bool:
         """Whether a law depends on the rolled angle, so that φ₀ of each recording is a parameter."""

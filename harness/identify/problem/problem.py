@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the a
 _CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
 _QUICK_LENGTH = 60.0  # of the recordings of a quick search [s]: effects far above the noise show in a minute
 _ROUNDING = 1e-6  # of a cell: stamps are not exact multiples of the sampling interval
+_TABLES = 8  # of a recording that are kept: of a fit and of its differences by two parameters, in two threads
 _LONGEST_STEP = 1e-2  # [s]: error 2e-6 m in 10 s even where the ball reverses, a hundredth of any sensor's noise
 
 
@@ -33,6 +34,15 @@ def filtered_against(reading: FloatArray) -> NDArray[np.bool_]:
     use = np.isfinite(reading)
     use[np.argmax(use)] = False
     return use
+
+
+@dataclass(frozen=True)
+class _Moving:
+    """What moves the beam otherwise than measured: effects by names and values, and the delay of the position [s]."""
+
+    names: tuple[tuple[object, ...], ...]
+    delay: float
+    effects: tuple[Acting, ...] = field(compare=False)
 
 
 @dataclass(frozen=True)
@@ -74,14 +84,25 @@ class PreparedRecording:
 
     def table_with(self, effects: Sequence[Acting]) -> FloatArray:
         """`table`, same shape, where `effects` change the beam motion or delay the recorded position."""
-        delay = sensor_with(effects).delay
-        if delay == 0.0 and not any(term.effect.moves_beam for term in effects):
-            return self.table
-        stamps = self.drive.time  # a part of a recording began with the whole
-        motion = motion_with(self.drive, stamps, effects)
-        if delay != 0.0:
-            motion = DelayedMotion(motion, delay, float(stamps[0]), float(stamps[-1]))
-        return self.grid.tabulate(motion)
+        moving = _Moving(
+            tuple((one.effect.name, *one.values.items()) for one in effects if one.effect.moves_beam),
+            sensor_with(effects).delay,
+            tuple(one for one in effects if one.effect.moves_beam),
+        )
+        return self._tabulated(moving) if moving.names or moving.delay != 0.0 else self.table
+
+    @cached_property
+    def _tabulated(self) -> Callable[[_Moving], FloatArray]:
+        """The table of a moved beam; the latest are kept, since most fits change anything but that from run to run."""
+
+        def tabulated(moving: _Moving) -> FloatArray:
+            stamps = self.drive.time  # a part of a recording began with the whole
+            motion = motion_with(self.drive, stamps, moving.effects)
+            if moving.delay != 0.0:
+                motion = DelayedMotion(motion, moving.delay, float(stamps[0]), float(stamps[-1]))
+            return self.grid.tabulate(motion)
+
+        return lru_cache(maxsize=_TABLES)(tabulated)
 
     @cached_property
     def thinned(self) -> PreparedRecording:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -21,6 +22,7 @@ from analytic.law import (
     OF_POSITION,
     OF_ROLL,
     OF_VELOCITY,
+    spline_term,
     spline_term_at,
 )
 from analytic.motion import FloatArray
@@ -90,10 +92,19 @@ class SplineTerm:
         return "1" if self.friction else "m/s²"
 
     def at(self, where: FloatArray) -> FloatArray:
-        """Values of the spline at `where`, any shape; the same shape."""
+        """Values of the spline at `where`, shape (n,); the same shape."""
+        return np.asarray(spline_term_at(where, self._alone))
+
+    def at_one(self, where: float) -> float:
+        """Its value at one place: quick enough for every step of an engine."""
+        return float(spline_term(where, self._alone))
+
+    @cached_property
+    def _alone(self) -> FloatArray:
+        """A kernel's vector with nothing but the spline, shape (SLOTS,)."""
         p = np.zeros(SLOTS)
         self._write(p, _KERNEL.get((self.depends, self.friction), DRY_OF_TIME))
-        return np.asarray(spline_term_at(where, p))
+        return p
 
     def write(self, p: FloatArray, phase: float = 0.0) -> None:
         """Write the term into the kernel's vector, shape (SLOTS,) or longer, in place; `load` writes a force of time.

@@ -82,11 +82,6 @@ class Window:
             return np.column_stack(columns)
         return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
 
-    def overlaps_prediction_of(self, other: Window) -> bool:
-        """Whether it has readings of the predicted part of `other`."""
-        apart = self.begin >= other.begin + KNOWN + AHEAD or self.begin + KNOWN + AHEAD <= other.begin + KNOWN
-        return self.recording is other.recording and not apart
-
     def rms_error(self, predicted: FloatArray) -> float:
         """RMS error of predicted positions, shape (m,), over the predicted part [m]."""
         return float(np.sqrt(np.mean((predicted - self.reading)[self.judged] ** 2)))
@@ -120,6 +115,22 @@ def horizon_spans(time: FloatArray) -> list[tuple[str, float, float]]:
         count = int((end - KNOWN) / horizon + 1e-6)
         spans += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
     return [*spans, ("whole", KNOWN, end + 1.0)]
+
+
+def predicted_spans(time: FloatArray, known: NDArray[np.bool_], fewest: int = 1) -> list[tuple[str, slice]]:
+    """Name and stamps of each of `horizon_spans` that has `fewest` known readings, and more than five before it.
+
+    Args:
+        time: stamps that begin at 0, shape (n,) [s].
+        known: mask of the stamps with a reading, shape (n,).
+    """
+    count = np.concatenate(([0], np.cumsum(known)))
+    spans = []
+    for name, first, last in horizon_spans(time):
+        begin, end = (int(stamp) for stamp in np.searchsorted(time, (first, last)))
+        if count[begin] > _FEWEST and count[end] - count[begin] >= fewest:
+            spans.append((name, slice(begin, end)))
+    return spans
 
 
 @dataclass(frozen=True)
@@ -158,11 +169,26 @@ def blocks_of(recordings: Sequence[PreparedRecording], count: int = GROUPS) -> t
     blocks = []
     for number, group in enumerate(np.array_split(np.arange(len(held)), min(count, len(held)) or 1)):
         out = [window for i in group for window in held[i]]
-        kept = tuple(window for window in fitted if not any(map(window.overlaps_prediction_of, out)))
+        kept = _apart(fitted, out)
         if len(kept) < _FEWEST_FITTED:
             return ()
         blocks += [Block(tuple(held[i]), kept, number) for i in group]
     return tuple(blocks)
+
+
+def _apart(windows: Sequence[Window], held_out: Sequence[Window]) -> tuple[Window, ...]:
+    """The windows without any reading of the predicted parts of those held out."""
+    begins: dict[int, list[float]] = {}
+    for window in held_out:
+        begins.setdefault(id(window.recording), []).append(window.begin)
+    predicted = {recording: np.array(each) + KNOWN for recording, each in begins.items()}
+    nowhere = np.zeros(0)
+
+    def apart(window: Window) -> bool:
+        begin = predicted.get(id(window.recording), nowhere)
+        return bool(np.all((window.begin >= begin + AHEAD) | (window.begin + KNOWN + AHEAD <= begin)))
+
+    return tuple(filter(apart, windows))
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.effects import SensorLaw, rig_with, sensor_with
 from analytic.motion import BeamMotion, FloatArray, State
@@ -24,19 +26,22 @@ from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
 from harness.failures import Failed, Failures, Part, caught
 from harness.identify.estimate.fit import Fit
-from harness.identify.estimate.forecast import filtered
+from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
-from harness.identify.filter.run import FilterRun
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.problem.windows import horizon_spans
+from harness.identify.problem.windows import predicted_spans
 from harness.identify.validation.held_out import HeldOut
 from harness.numerics import evenly_chosen
 from harness.parallel import meanwhile
 from harness.progress import Progress, silent
+from harness.scene import Scene
 
 Law = Callable[[FloatArray, float], None]
 Squares = list[tuple[str, FloatArray]]
+EngineSettings = Mapping[str, Mapping[str, Any]]
+"""Settings of engines by name."""
+NO_SETTINGS: EngineSettings = MappingProxyType({})
 
 # Time step of a rolling ball [s]: error 3 µm in 14 s, at most 25 µm where friction stops the ball. For a sliding ball,
 # where MuJoCo converges with first order only, the engines' default step is used.
@@ -51,6 +56,8 @@ def engine_errors(
     *,
     jobs: int = 1,
     failures: Failures | None = None,
+    settings: EngineSettings = NO_SETTINGS,
+    scene: Scene | None = None,
 ) -> dict[str, dict[str, Any]]:
     """RMS errors [m] of each engine by horizon, before and after; horizons as in `held_out.errors`.
 
@@ -61,12 +68,15 @@ def engine_errors(
         held: the same for held-out recordings, if any.
         jobs: processes for the runs (`harness.parallel`); 1 runs them in this process.
         failures: collects the engines' failures; whatever an engine raises is one.
+        settings: of the engines by their names, such as tuned ones; those of effects found win.
+        scene: of the user's own.
 
     Returns:
         By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
         failed also "failed", its message. "recordings" names those that it ran: of many, six from first to last.
     """
-    with engines_running(main, held, progress, jobs=jobs, failures=failures) as errors:
+    running = engines_running(main, held, progress, jobs=jobs, failures=failures, settings=settings, scene=scene)
+    with running as errors:
         return errors()
 
 
@@ -78,9 +88,11 @@ def engines_running(
     *,
     jobs: int = 1,
     failures: Failures | None = None,
+    settings: EngineSettings = NO_SETTINGS,
+    scene: Scene | None = None,
 ) -> Iterator[Callable[[], dict[str, dict[str, Any]]]]:
     """As `engine_errors`, but the engines run while the block does; the function that it is given awaits the errors."""
-    loaded = {name: caught(Part.ENGINE, name, partial(engine_of, name)) for name in DEFAULT_ENGINES}
+    loaded = {name: caught(Part.ENGINE, name, partial(_engine, name, scene)) for name in DEFAULT_ENGINES}
     engines = {name: engine for name, engine in loaded.items() if not isinstance(engine, Failed)}
     main, *held = [_of_few(split, main.compared) for split in (main, *held)]
     ran = [recording.name for recording in main.compared]
@@ -88,7 +100,9 @@ def engines_running(
     for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
         for split in (main, *held):
             for fit, recording in itertools.product((split.base, split.found), split.compared):
-                runs[_key(engine, fit, recording)] = partial(_squares, split.problem, fit, recording, engine)
+                runs[_key(engine, fit, recording)] = partial(
+                    _squares, split.problem, fit, recording, engine, settings.get(engine.name, {})
+                )
     title = f"{' and '.join(engines)} on {', '.join(ran)}"
 
     def before_after(
@@ -124,6 +138,11 @@ def engines_running(
         yield errors
 
 
+def _engine(name: str, scene: Scene | None) -> Engine:
+    """The engine; one without a scene of the user's is asked for by its name alone."""
+    return engine_of(name) if scene is None else engine_of(name, scene)
+
+
 def _of_few(split: HeldOut, recordings: Sequence[PreparedRecording]) -> HeldOut:
     """`split` with what it compares of `recordings`, evenly taken where they are many."""
     if len(recordings) <= _MOST:
@@ -156,16 +175,25 @@ def _errors(runs: Sequence[Squares | Failed]) -> dict[str, Any]:
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> Squares | Failed:
+def _squares(
+    problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine, settings: Mapping[str, Any]
+) -> Squares | Failed:
     """Squared errors [m²] of every window by horizon, or how the engine failed."""
     name = f"{engine.name} on {recording.name}"
-    return caught(Part.ENGINE, name, lambda: _Scene(problem, found, recording, engine).squares())
+    return caught(Part.ENGINE, name, lambda: _Scene(problem, found, recording, engine, settings).squares())
 
 
 class _Scene:
     """One recording in one engine, with the identified terms injected."""
 
-    def __init__(self, problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        found: Fit,
+        recording: PreparedRecording,
+        engine: Engine,
+        given: Mapping[str, Any] = MappingProxyType({}),
+    ) -> None:
         self.problem, self.found, self.recording = problem, found, recording
         own = own_of(problem, found, recording, recording.reading)
         self.effects = (*problem.declared, *found.terms.effects_in(own))
@@ -177,7 +205,9 @@ class _Scene:
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
         self.engine = engine
-        settings = engine_settings(self.effects, engine.name) or {"time_step": _ROLLING_STEP}
+        settings = {**given, **engine_settings(self.effects, engine.name)} or {"time_step": _ROLLING_STEP}
+        if engine.scene_file:  # has less to set; what is left is the user's own
+            settings = {name: value for name, value in settings.items() if name in engine.parameters.model_fields}
         self.parameters: EngineParameters = parameters_of(engine, settings)
 
     def squares(self) -> Squares:
@@ -188,30 +218,39 @@ class _Scene:
         recording = self.recording
         time = recording.time - recording.time[0]
         known = np.isfinite(recording.reading)
-        spans: list[tuple[str, int, int]] = []
-        for horizon, first, last in horizon_spans(time):
-            judged = known & (time >= first) & (time < last)
-            if (known & (time < first)).sum() > 5 and judged.sum() > 1:
-                spans.append((horizon, int(np.argmax(time >= first)), int(np.flatnonzero(judged)[-1]) + 1))
-        ends = {begin: max(end for _, other, end in spans if other == begin) for _, begin, _ in spans}
+        spans = predicted_spans(time, known, fewest=2)
+        ends: dict[int, int] = {}
+        for _, use in spans:
+            last = use.start + int(np.flatnonzero(known[use])[-1]) + 1
+            ends[use.start] = max(last, ends.get(use.start, 0))
+        # With a delay, the filter's state at stamp t is that of the ball at t − delay.
+        ball_time = recording.time - self.sensor.delay
+        inside = (ball_time >= recording.time[0]) & (ball_time <= recording.time[-1])
+        firsts = [begin + int(np.argmax(inside[begin:end])) for begin, end in ends.items()]
+        runs = filtered_ahead(
+            self.problem,
+            self.found,
+            recording,
+            [slice(begin, first + 1) for begin, first in zip(ends, firsts, strict=True)],
+        )[1]
         errors: dict[int, FloatArray] = {}
-        for begin, end in ends.items():
-            before = np.where(np.arange(len(time)) < begin, recording.reading, np.nan)
-            state = filtered(self.problem, self.found, recording, before)
-            errors[begin] = self._run(state, begin, end) - recording.reading[begin:end]
-        squares = [(horizon, errors[begin][: end - begin] ** 2) for horizon, begin, end in spans]
+        for (begin, end), run in zip(ends.items(), runs, strict=True):
+            errors[begin] = (
+                self._run(run.state[-1], ball_time[begin:end], inside[begin:end]) - recording.reading[begin:end]
+            )
+        squares = [(horizon, errors[use.start][: use.stop - use.start] ** 2) for horizon, use in spans]
         return [(horizon, values[np.isfinite(values)]) for horizon, values in squares]
 
-    def _run(self, out: FilterRun, begin: int, end: int) -> FloatArray:
-        """Sensor output of a free run over the stamps `begin` to `end` − 1 [m]; NaN where a delay would need the beam
-        motion outside the recording."""
-        stamps = self.recording.time[begin:end]
-        # With a delay, the filter's state at stamp t is that of the ball at t − delay.
-        ball_time = stamps - self.sensor.delay
-        inside = (ball_time >= self.recording.time[0]) & (ball_time <= self.recording.time[-1])
+    def _run(self, state: FloatArray, ball_time: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+        """Sensor output of a free run [m]; NaN where a delay would need the beam motion outside the recording.
+
+        Args:
+            state: of the filter at the first time inside, as in `FilterOutput`, shape (4,).
+            ball_time: times at which the ball is where the stamps record it, shape (m,) [s].
+            inside: mask of those within the recording, shape (m,).
+        """
         at = ball_time[inside]
-        first = begin + int(np.argmax(inside))
-        s, v, _, lagging = out.state[first]
+        s, v, _, lagging = state
         force = force_of(
             self.effects,
             self.rig,
@@ -222,7 +261,15 @@ class _Scene:
             phase=self.phase,
             law=self.law,
         )
-        run = self.engine.run(self.rig, self.motion, State(s, v), at, parameters=self.parameters, force=force)
+        run = self.engine.run(
+            self.rig,
+            self.motion,
+            State(s, v),
+            at,
+            parameters=self.parameters,
+            force=force,
+            base=self.problem.rig,
+        )
         if not np.isfinite(run.trajectory.position).all():
             bad = float(at[np.argmin(np.isfinite(run.trajectory.position))])
             raise EngineFailure(self.engine.name, Failure.NOT_FINITE, bad, Failure.NOT_FINITE.value)
@@ -230,20 +277,23 @@ class _Scene:
         if lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
             position = SensorLaw(lag=lag).recorded(at, position) + (lagging - s) * np.exp(-(at - at[0]) / lag)
         recorded = self.sensor.curve(position)
-        result = np.full(len(stamps), np.nan)
+        result = np.full(len(ball_time), np.nan)
         result[inside] = recorded
         return result
 
 
 def _law(spline: SplineTerm, phase: float, gravity: float) -> Law:
-    """A function that writes a spline term into the kernel's vector before every step."""
+    """A function that writes a spline term into the kernel's vector, one of time before every step."""
     original: dict[int, float] = {}
+    written: list[FloatArray] = []
 
     def law(p: FloatArray, time: float) -> None:
         if spline.depends is not Regressor.TIME:
-            spline.write(p, phase)
+            if not written or written[0] is not p:  # it stays in the vector of a run
+                spline.write(p, phase)
+                written[:] = [p]
             return
-        now = float(spline.at(np.array([time]))[0])
+        now = spline.at_one(time)
         for slot, value in ((DRY_PLUS, now), (DRY_MINUS, now)) if spline.friction else ((LEVEL, now / gravity),):
             p[slot] = original.setdefault(slot, float(p[slot])) + value
 

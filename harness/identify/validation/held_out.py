@@ -10,10 +10,10 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit
-from harness.identify.estimate.forecast import filtered
+from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.refit import refit
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.windows import folds, horizon_spans
+from harness.identify.problem.windows import folds, predicted_spans
 from harness.identify.validation.beam_dependence import Dependence, beam_dependence, joined
 from harness.progress import Progress, silent
 
@@ -49,13 +49,10 @@ def errors(
         progress(f"prediction errors: {recording.name}")
         time = recording.time - recording.time[0]
         known = np.isfinite(recording.reading)
-        for name, first, last in horizon_spans(time):
-            reading = np.where((time < first) & known, recording.reading, np.nan)
-            judged = known & (time >= first) & (time < last)
-            if np.isfinite(reading).sum() > 5 and judged.any():
-                out = filtered(problem, found, recording, reading)
-                squares.setdefault(name, []).append((out.recorded - recording.reading)[judged] ** 2)
-        one_step = filtered(problem, found, recording, recording.reading)
+        spans = predicted_spans(time, known)
+        one_step, ahead = filtered_ahead(problem, found, recording, [use for _, use in spans])
+        for (name, use), out in zip(spans, ahead, strict=True):
+            squares.setdefault(name, []).append((out.recorded - recording.reading[use])[known[use]] ** 2)
         normalised = one_step.innovation / np.sqrt(one_step.innovation_variance)
         z = normalised[recording.judged]
         correlations.append(float(np.mean(z[1:] * z[:-1]) / np.mean(z**2)))

@@ -13,7 +13,7 @@ from analytic.effects import Acting, SensorLaw, acting
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import fit
 from harness.identify.filter.any_state import any_state
-from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Readings, Sensor
+from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Memory, Readings, Sensor
 from harness.identify.filter.ekf import extended_kalman_filter, penalty
 from harness.identify.filter.run import dynamics, run_filter
 from harness.identify.filter.usual_state import usual_state
@@ -49,7 +49,7 @@ def run(
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     form = any_state if general else usual_state
     sensor = Sensor(gain, 0.0, problem.reading_variance, *curve)
-    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, out)
+    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, Memory.blank(), 0, out)
     return out
 
 

@@ -13,6 +13,7 @@ from harness.identify.filter.arguments import (
     VELOCITY_VARIANCE,
     BeamTable,
     FilterOutput,
+    Memory,
     Readings,
     Sensor,
 )
@@ -65,7 +66,18 @@ def test_the_likelihood_is_the_dense_one(form, process_noise: float) -> None:
 
     beam = BeamTable(np.diff(time), np.arange(n), np.zeros((2 * n - 1, 3)))
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
-    form(Readings(time, position), beam, p, Sensor(1.0, 0.0, READING**2), process_noise, error, True, out)
+    form(
+        Readings(time, position),
+        beam,
+        p,
+        Sensor(1.0, 0.0, READING**2),
+        process_noise,
+        error,
+        True,
+        Memory.blank(),
+        0,
+        out,
+    )
     found = negative_two_log_likelihood(out.innovation[1:][read], out.innovation_variance[1:][read])
     # The model is linear; slopes by differences of 1e-6 carry a rounding of 1e-10, the smoother's covariance an error
     # of 1e-5 of its own size (`test_spline_smoother`), and each reading counts it once.

@@ -1,0 +1,107 @@
+"""The identified model: everything that a prediction needs."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from analytic.rig import Rig
+from analytic.slots import MOST_NODES
+from harness.identify.record.answer import DependsName
+from harness.identify.record.covariance import CovarianceRows, check_square, covariance_fault
+from harness.identify.record.parts import Finite, NotNegative, Part, Positive
+
+EstimatorName = Literal["likelihood", "free_runs"]
+AT_BOUND = 1e-6
+"""Share of a parameter's range: fits end at a bound up to rounding."""
+
+
+class SplineTermRecord(Part):
+    """A spline term without the values of its nodes."""
+
+    depends: DependsName
+    friction: bool
+    low: Finite
+    step: Positive
+    nodes: int = Field(ge=2, le=MOST_NODES)
+
+    @model_validator(mode="after")
+    def _possible(self) -> SplineTermRecord:
+        if self.friction and self.depends in ("velocity", "angle"):
+            raise ValueError(f"there is no friction term of the {self.depends}")
+        return self
+
+
+class RigRecord(Part):
+    """A complete rig, as `analytic.rig.Rig`."""
+
+    mass: Finite
+    inertia: Finite
+    radius: Finite
+    rolling_radius: Finite
+    eccentricity: Finite
+    gravity: Finite
+    level_angle: Finite
+    friction_coefficient: Finite
+    transition_velocity: Finite
+
+    @model_validator(mode="after")
+    def _possible(self) -> RigRecord:
+        Rig(**self.model_dump())
+        return self
+
+
+class SensorsRecord(Part):
+    """Known properties of the sensors, as `harness.recording.Sensors`."""
+
+    angle_resolution: Positive | None = None
+    angle_noise: NotNegative | None = None
+    position_noise: NotNegative | None = None
+    position_resolution: Positive | None = None
+
+
+class ActingRecord(Part):
+    """A known effect with its values."""
+
+    name: str
+    values: dict[str, Finite]
+
+
+class ColourRecord(Part):
+    """What of the reading noise is coloured: share of its variance [1], correlation time [s]."""
+
+    share: float = Field(0.0, ge=0.0, le=1.0)
+    time_s: float = Field(1.0, gt=0.0, allow_inf_nan=False)
+
+
+class ModelRecord(Part):
+    """The identified model: everything that a prediction needs.
+
+    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it.
+    """
+
+    rig: RigRecord
+    sensors: SensorsRecord
+    declared: tuple[ActingRecord, ...]
+    effects: tuple[str, ...]
+    spline_term: SplineTermRecord | None
+    parameters: tuple[Finite, ...]
+    phases: int = Field(ge=1)
+    covariance: CovarianceRows
+    process_noise_m2_s3: Positive
+    estimator: EstimatorName = "likelihood"
+    band: Positive = 1.0
+    reading_variance_m2: Positive
+    colour: ColourRecord = ColourRecord()
+
+    @model_validator(mode="after")
+    def _with_its_covariance(self) -> ModelRecord:
+        count = len(self.parameters)
+        check_square(self.covariance, count)
+        rows = [[np.nan if one is None else one for one in row] for row in self.covariance]
+        fault = covariance_fault(np.array(rows, dtype=float).reshape(count, count))
+        if fault:
+            raise ValueError(f"covariance {fault}")
+        return self
