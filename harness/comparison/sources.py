@@ -1,23 +1,27 @@
 """Runs every model and engine with one drive, on every horizon."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from analytic.effects import rig_with, sensor_with
 from analytic.kernel import Grid, integrate
-from analytic.models import Model
-from analytic.motion import FloatArray, State
+from analytic.lift_off import first_lift_off
+from analytic.models import CAM, Model
+from analytic.motion import FloatArray, State, beam_states
 from analytic.rig import Rig
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
-from harness.engines.health import Health
+from harness.engines.health import Failure, Health
 from harness.engines.injection import force_of, motion_for_engine
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
 from harness.progress import Progress, silent
+
+_INSTANT = 1e-3  # between two instants at which the normal force is looked at: the engines' time step [s]
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,7 @@ class SourceRuns:
         position, velocity: shape (runs, n), NaN outside a run and if the engine failed [m], [m/s].
         health: of the successful engine runs.
         failures: of the failed engine runs.
+        lifted_off: when the ball lifts off the beam for the first time, in each run in which it does [s].
     """
 
     source: str
@@ -38,6 +43,7 @@ class SourceRuns:
     velocity: FloatArray
     health: tuple[Health, ...] = ()
     failures: tuple[EngineFailure, ...] = ()
+    lifted_off: tuple[float, ...] = ()
 
 
 def run_models(
@@ -59,9 +65,34 @@ def run_models(
     )
     shape = (len(models), count, len(setting.time))
     position, velocity = runs.position.reshape(shape), runs.velocity.reshape(shape)
+    lifted: tuple[float, ...] = ()
+    if CAM in models:  # holds for all of them: it is the ball that lifts off
+        cam = models.index(CAM)
+        lifted = tuple(_lifted_off(setting, horizon, position[cam], velocity[cam], rig or setting.rig))
     for one in position:
         _apply_sensor(setting, horizon, one)
-    return [SourceRuns(m.name, horizon, position[i], velocity[i]) for i, m in enumerate(models)]
+    return [SourceRuns(m.name, horizon, position[i], velocity[i], lifted_off=lifted) for i, m in enumerate(models)]
+
+
+def _lifted_off(
+    setting: Setting, horizon: Horizon, position: FloatArray, velocity: FloatArray, rig: Rig
+) -> Iterator[float]:
+    """When the normal force of CAM falls below zero for the first time, in each run in which it does [s].
+
+    Args:
+        setting: drive and declared effects.
+        horizon: of the runs.
+        position, velocity: of CAM's runs, shape (runs, n) [m], [m/s].
+        rig: on which they were made.
+    """
+    altered = rig_with(rig, setting.acting)
+    for where, s, v in zip(horizon.slices(), position, velocity, strict=True):
+        stamps = setting.time[where]
+        path = CubicHermiteSpline(stamps, s[where], v[where])
+        fine = np.append(np.arange(stamps[0], stamps[-1], _INSTANT), stamps[-1])
+        found = first_lift_off(path(fine), path(fine, 1), beam_states(setting.motion, fine), altered)
+        if found is not None:
+            yield float(fine[found])
 
 
 def _apply_sensor(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
@@ -78,20 +109,23 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
     position, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
     health: list[Health] = []
     failures: list[EngineFailure] = []
+    lifted: list[float] = []
     rig = rig_with(setting.rig, setting.acting)
     motion = motion_for_engine(setting.acting, setting.drive, setting.time)
     for i, (where, start) in enumerate(zip(horizon.slices(), setting.starts(horizon), strict=True)):
         stamps = setting.time[where]
         force = force_of(setting.acting, rig, motion, stamps, parameters.time_step, origin=setting.origin)
         try:
-            run = engine.run(rig, motion, State(*start), stamps, parameters=parameters, force=force)
+            run = engine.run(rig, motion, State(*start), stamps, parameters=parameters, force=force, base=setting.rig)
         except EngineFailure as failure:
             failures.append(failure)
+            lifted += [failure.time] if failure.failure is Failure.LIFTED_OFF else []
             continue
         position[i, where], velocity[i, where] = run.trajectory.position, run.trajectory.velocity
         health.append(run.health)
+        lifted += [] if run.health.lifted_off is None else [run.health.lifted_off]
     _apply_sensor(setting, horizon, position)
-    return SourceRuns(engine.name, horizon, position, velocity, tuple(health), tuple(failures))
+    return SourceRuns(engine.name, horizon, position, velocity, tuple(health), tuple(failures), tuple(lifted))
 
 
 def run_all(

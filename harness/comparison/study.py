@@ -15,6 +15,7 @@ from harness.comparison.paper import Claim, Difference, Inputs, claims, differen
 from harness.comparison.setting import Setting
 from harness.comparison.sources import SourceRuns, run_all
 from harness.comparison.uncertainty import displacements, uncertainty
+from harness.engines.health import Failure
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
@@ -63,6 +64,15 @@ class Study:
     def failures(self) -> tuple[EngineFailure, ...]:
         """Every engine run that failed."""
         return tuple(failure for run in self.runs for failure in run.failures)
+
+    @property
+    def lift_offs(self) -> Mapping[str, str]:
+        """By source when and why the ball lifts off the beam for the first time; empty if it does not."""
+        first: dict[str, float] = {}
+        for run in self.runs:
+            for time in run.lifted_off:
+                first[run.source] = min(time, first.get(run.source, math.inf))
+        return {source: f"t = {time:.3f} s: {Failure.LIFTED_OFF.value}" for source, time in first.items()}
 
     def run_of(self, source: str, horizon: Horizon) -> SourceRuns:
         """The runs of one source on one horizon."""

@@ -14,8 +14,10 @@ from pydantic import ValidationError
 from analytic.naming import did_you_mean
 from harness.engines.parameters import EngineParameters
 from harness.errors import InputError
+from harness.scene import Scene
 
 if TYPE_CHECKING:
+    from analytic.rig import Rig
     from harness.engines.protocol import Engine
 
 # Imported on demand: an engine that is not used need not be installed.
@@ -24,21 +26,33 @@ _CLASSES = {
     "pybullet": ("harness.engines.pybullet", "PyBullet"),
     "dart": ("harness.engines.dart", "Dart"),
 }
+_OWN_SCENE = {  # with a scene of the user's, named after the same engine
+    "mujoco": ("harness.engines.own_scene.mujoco_engine", "MuJoCoScene"),
+    "pybullet": ("harness.engines.own_scene.pybullet_engine", "PyBulletScene"),
+}
 ENGINES = tuple(_CLASSES)
 DEFAULT_ENGINES = ("mujoco", "pybullet")
+RIG_TABLE = "rig"
+"""Table of a settings file that is of the rig and no engine's (`harness.recording.rig_changes`)."""
 
 
-def engine_of(name: str) -> Engine:
+def engine_of(name: str, scene: Scene | None = None) -> Engine:
     """The engine with this name.
+
+    Args:
+        name: one of `ENGINES`.
+        scene: of the user's own; the engine runs it if it names a file for this engine, else the built-in one.
 
     Raises:
         InputError: the name is unknown, or the engine's package is not installed.
     """
     if name not in _CLASSES:
         raise InputError(f"there is no engine {name!r}; engines are {', '.join(ENGINES)}")
-    module, attribute = _CLASSES[name]
+    own = scene is not None and scene.file_of(name) is not None
+    module, attribute = _OWN_SCENE[name] if own else _CLASSES[name]
     try:
-        engine: Engine = getattr(importlib.import_module(module), attribute)()
+        made = getattr(importlib.import_module(module), attribute)
+        engine: Engine = made(scene) if own else made()
     except ImportError as error:  # not installed, or a system library is missing
         others = ", ".join(other for other in ENGINES if other != name)
         raise InputError(
@@ -47,8 +61,26 @@ def engine_of(name: str) -> Engine:
     return engine
 
 
+def try_scene(scene: Scene, rig: Rig) -> None:
+    """Load and measure a user's scene in every engine that runs it.
+
+    Args:
+        scene: the files and names.
+        rig: has what the files do not give.
+
+    Raises:
+        InputError: one of them cannot be driven.
+    """
+    for name in ENGINES:
+        if scene.file_of(name) is not None:
+            engine = engine_of(name, scene)
+            engine.try_out(rig)
+
+
 def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Settings per engine from a TOML file (one table per engine), overridden by `engine.name=value` texts.
+
+    A table `[rig]` is left to `harness.recording.rig_changes`.
 
     Raises:
         InputError: unreadable file, unknown engine, or a text that is not an assignment.
@@ -62,9 +94,12 @@ def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, di
         except ValueError as error:  # invalid TOML or invalid UTF-8
             raise InputError(f"{file}: not valid TOML: {error}") from error
         for engine, table in tables.items():
+            if engine == RIG_TABLE:
+                continue
             if not isinstance(table, Mapping):
                 raise InputError(f"{file}: {engine} is not a table; write [{DEFAULT_ENGINES[0]}] above its settings")
-            settings.setdefault(_known(engine), {}).update(table)
+            given = {name: None if value == "none" else value for name, value in table.items()}
+            settings.setdefault(_known(engine), {}).update(given)
     for text in assignments:
         name, equals, value = text.partition("=")
         engine, dot, parameter = name.strip().partition(".")
@@ -85,7 +120,7 @@ def parameters_of(engine: Engine, settings: Mapping[str, Any]) -> EngineParamete
     fields = engine.parameters.model_fields
     for name in settings:
         if name not in fields:
-            hint = did_you_mean(name, fields)
+            hint = engine.elsewhere(name) or did_you_mean(name, fields)
             raise InputError(f"{engine.name} has no parameter {name!r}.{hint} Parameters are: {', '.join(fields)}.")
     try:
         return engine.parameters(**settings)

@@ -8,6 +8,7 @@ became 0.4 µm at 1 ms, and 0.6 µm became 0.004 µm at 0.1 ms.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +20,9 @@ from harness.engines.watch import STANDSTILL, Samples, finite_force
 
 Pose = tuple[float, ...]
 """Position of the ball's centre in the world [m], then its orientation as the engine has it."""
+
+Stepper = Callable[[float, float, float, float], Pose]
+"""One step of a beam that stands at α [rad], turns by α̇ [rad/s] and slides along x and z [m/s]."""
 
 
 class Scene(Protocol):
@@ -36,8 +40,8 @@ class Scene(Protocol):
         """Let a force act on the centre of the ball, which is at `pose`, in the next step [N]."""
         ...
 
-    def step(self, angle: float, rate: float, x: float, z: float) -> Pose:
-        """One step of a beam that stands at α [rad], turns by α̇ [rad/s] and slides with these velocities [m/s]."""
+    def stepper(self) -> Stepper:
+        """What steps it: a function, so that a run looks up once what all its steps need."""
         ...
 
     def contacts(self, angle: float) -> tuple[int, float]:
@@ -67,30 +71,46 @@ def follow(
     """
     rig, grid, first, force = task.rig, task.grid, task.first, task.force
     dt, height = grid.time_step, rig.eccentricity + rig.rolling_radius
-    angles, rates, times = grid.angle.tolist(), grid.rate.tolist(), grid.time.tolist()
+    angles, rates = grid.angle.tolist(), grid.rate.tolist()
     cosines, sines = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
-    every = max(1, round(health_interval / dt))
-    pose = scene.pose()
+    # What a step takes from the beam: α, α̇, cos and sin at its begin and end, and the chord's factors of s, ṡ and 1.
+    factors = zip(
+        angles,
+        rates,
+        cosines,
+        sines,
+        cosines[1:],
+        sines[1:],
+        (-0.5 * dt * grid.rate**2).tolist(),
+        (-dt * grid.rate).tolist(),
+        (-0.5 * dt * height * grid.rate**2 - sinking).tolist(),
+        strict=False,  # angles are one more than steps
+    )
+    every, backwards = max(1, round(health_interval / dt)), 1.0 / dt
+    step, pose = scene.stepper(), scene.pose()
     poses, samples = [pose], Samples()
+    append = poses.append
     s, speed = pose[0] * cosines[0] - pose[2] * sines[0], first.velocity_along
     speed_before = speed - dt * first.acceleration_along
-    for n in range(grid.steps):
-        cos, sin, rate, now = cosines[n], sines[n], rates[n], 1.5 * speed - 0.5 * speed_before  # ṡ extrapolated to t_n
-        along = -0.5 * dt * s * rate * rate
-        normal = -dt * rate * (now + 0.5 * height * rate) - sinking
+    look = 0  # the step after which the contacts are sampled next
+    for n, (angle, rate, cos, sin, cos_end, sin_end, per_s, per_speed, own) in enumerate(factors):
+        now = 1.5 * speed - 0.5 * speed_before  # ṡ extrapolated to t_n
         if force is not None:
-            push = finite_force(engine, force, s, now, angles[n], times[n])
+            push = finite_force(engine, force, s, now, angle, float(grid.time[n]))
             scene.push(pose, push * cos, -push * sin)
-        before, pose = pose, scene.step(angles[n], rate, along * cos + normal * sin, normal * cos - along * sin)
-        poses.append(pose)
-        moved = pose[0] * cosines[n + 1] - pose[2] * sines[n + 1]
-        speed_before, speed, s = speed, (moved - s) / dt, moved
-        if n % every == 0:
-            count, load = scene.contacts(angles[n])
-            samples.add(n, count, load, abs(scene.beam_angle() - angles[n + 1]))
-            if pose == before and (abs(angles[n + 1] - angles[n]) > STANDSTILL or scene.ball_speed() > STANDSTILL):
+        along, normal = per_s * s, per_speed * now + own
+        before, pose = pose, step(angle, rate, along * cos + normal * sin, normal * cos - along * sin)
+        append(pose)
+        moved = pose[0] * cos_end - pose[2] * sin_end
+        speed_before, speed, s = speed, (moved - s) * backwards, moved
+        if n == look:
+            look += every
+            turned = angles[n + 1]
+            count, load = scene.contacts(angle)
+            samples.add(n, count, load, abs(scene.beam_angle() - turned))
+            if pose == before and (abs(turned - angle) > STANDSTILL or scene.ball_speed() > STANDSTILL):
                 samples.frozen = n
-            off = pose[2] * cosines[n + 1] + pose[0] * sines[n + 1] - height
+            off = pose[2] * cos_end + pose[0] * sin_end - height
             if samples.frozen is not None or task.limits.exceeded(s, pose[1], off):
                 break
     path = np.array(poses)

@@ -23,7 +23,7 @@ from pydantic import Field
 from analytic.geometry import RAIL_REACH, rails_of, to_world
 from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.engines.chord import Pose, follow
+from harness.engines.chord import Pose, Stepper, follow
 from harness.engines.leapfrog import Start, Track, spin_angle_of
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine, Task
@@ -147,7 +147,10 @@ class _Scene:
     def push(self, pose: Pose, x: float, z: float) -> None:
         self.ball.addExtForce(np.array([x, 0.0, z]))
 
-    def step(self, angle: float, rate: float, x: float, z: float) -> Pose:
+    def stepper(self) -> Stepper:
+        return self._step
+
+    def _step(self, angle: float, rate: float, x: float, z: float) -> Pose:
         self.pivot.setPosition(0, angle)
         self.pivot.setCommand(0, rate)
         self.chord.setPositions(np.zeros(3))

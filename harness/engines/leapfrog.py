@@ -96,6 +96,11 @@ def grid_of(motion: BeamMotion, stamps: FloatArray, time_step: float) -> Grid:
     return Grid(time_step, time, angle, np.asarray(np.diff(angle) / time_step, dtype=np.float64))
 
 
+def beam_on(grid: Grid, motion: BeamMotion, stamps: FloatArray) -> FloatArray:
+    """α [rad], α̇ [rad/s], α̈ [rad/s²] of the motion on the grid, shape (steps + 1, 3); constant beyond the stamps."""
+    return beam_states(motion, np.minimum(grid.time, stamps[-1]))
+
+
 @dataclass(frozen=True)
 class Start:
     """The ball at t₀, with velocities at t₀ − dt/2.

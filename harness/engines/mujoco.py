@@ -11,12 +11,14 @@ beam, so that the normal forces carry the load.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from mujoco.batch import Batch
 from scipy.optimize import brentq
 
 from analytic.geometry import channel_of, rails_of, to_beam
@@ -31,6 +33,8 @@ from harness.errors import EngineFailure
 from mjcf.scene import make_scene
 
 CHUNK = 500  # steps between two checks for an early stop
+NATIVE_CHUNK = 10 * CHUNK  # the same where MuJoCo loops by itself: 20 µs a call are 0.1 % of so many steps
+_STATE, _TIME = mujoco.mjtState.mjSTATE_INTEGRATION, int(mujoco.mjtState.mjSTATE_TIME)
 # Longest loss of contact that is tolerated if the ball touches before and after it [s]. The angular momentum about the
 # contact line is the same in flight and in rolling, so the ball lands with the state of a rolling ball; at 3° the
 # position is off by (1 − K) g sin α t²/2 = 8 µm in between.
@@ -42,6 +46,7 @@ class MuJoCo(Engine[MuJoCoParameters]):
 
     name = "mujoco"
     parameters = MuJoCoParameters
+    threads = True
 
     def version(self) -> str:
         """Version of the installed package."""
@@ -68,23 +73,41 @@ class _Log:
     Attributes:
         pose: α [rad], centre [m] and quaternion, shape (k + 1, 8).
         force: of each contact, normal first, shape (k, 6) [N]; (k, 3) on a flat rail.
+        clock: MuJoCo's time since the run's begin, shape (k + 1,) [s].
         stopped: failure reported by the engine itself, if any.
     """
 
     pose: FloatArray
     force: FloatArray
-    stopped: tuple[Failure, str] | None
+    clock: FloatArray
+    stopped: tuple[Failure, str] | None = None
+
+    def late(self, begin: int, end: int, time_step: float) -> int | None:
+        """The first of these steps in which MuJoCo's clock did not advance by a step."""
+        late = np.flatnonzero(np.diff(self.clock[begin : end + 1]) < 0.5 * time_step)
+        return begin + int(late[0]) if late.size else None
+
+
+_warning = threading.Lock()  # guards the two below
+_runs, _handler = 0, None  # runs of this process, in whatever thread, and what handled warnings before them
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keeps MuJoCo from printing warnings and writing MUJOCO_LOG.TXT; it also counts them in its data."""
-    handler = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda message: None)
+    global _runs, _handler
+    with _warning:
+        if _runs == 0:
+            _handler = mujoco.get_mju_user_warning()
+            mujoco.set_mju_user_warning(lambda message: None)
+        _runs += 1
     try:
         yield
     finally:
-        mujoco.set_mju_user_warning(handler)
+        with _warning:
+            _runs -= 1
+            if _runs == 0:
+                mujoco.set_mju_user_warning(_handler)
 
 
 def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
@@ -135,34 +158,79 @@ def _place(model: mujoco.MjModel, first: Start, angle: float, lift: float) -> mu
 
 def _drive(model: mujoco.MjModel, data: mujoco.MjData, task: Task[MuJoCoParameters]) -> _Log:
     """Steps through the grid; stops early if the run is invalid."""
-    grid, height = task.grid, task.rig.eccentricity + task.rig.rolling_radius
-    dt, steps = grid.time_step, grid.steps
-    turns = (np.diff(grid.rate, prepend=task.first.beam_rate) / dt).tolist()
-    poses, forces, clock = np.empty((steps + 1, model.nq)), np.empty((steps, model.nsensordata)), np.zeros(steps + 1)
-    poses[0] = data.qpos
+    steps = task.grid.steps
+    turns = np.diff(task.grid.rate, prepend=task.first.beam_rate) / task.grid.time_step
+    log = _Log(np.empty((steps + 1, model.nq)), np.empty((steps, model.nsensordata)), np.zeros(steps + 1))
+    log.pose[0] = data.qpos
+    begin = 0 if task.force else _natively(model, data, task, turns, log)
+    return _step_by_step(model, data, task, turns, log, begin)
+
+
+def _natively(
+    model: mujoco.MjModel, data: mujoco.MjData, task: Task[MuJoCoParameters], turns: FloatArray, log: _Log
+) -> int:
+    """Fill `log` by MuJoCo's own loop, bit for bit as steps from Python fill it; returns the step that it got to.
+
+    That loop repeats a state that MuJoCo reset or warned about, without saying why: it ends with `data` at the begin of
+    such a chunk, for `_step_by_step` to find out. It also ends after a chunk that leads out of bounds.
+    """
+    state = np.empty(mujoco.mj_stateSize(model, _STATE))
+    mujoco.mj_getState(model, data, state, _STATE)
+    batch = Batch(model, 1, 1)
+    batch.state[0] = state
+    for begin in range(0, task.grid.steps, NATIVE_CHUNK):
+        end = min(begin + NATIVE_CHUNK, task.grid.steps)
+        state[:] = batch.state[0]
+        rows = slice(begin + 1, end + 1)
+        record: dict[str | int, FloatArray] = {"qpos": log.pose[None, rows], "sensordata": log.force[None, begin:end]}
+        record[_TIME] = log.clock[None, rows, None]
+        batch.rollout(end - begin, turns[None, begin:end, None], record=tuple(record), out=record)
+        if batch.warning.any() or log.late(begin, end, task.grid.time_step) is not None:
+            mujoco.mj_setState(model, data, state, _STATE)
+            return begin
+        if _out_of_bounds(task, log, end):
+            mujoco.mj_setState(model, data, state, _STATE)
+            return begin
+    return task.grid.steps
+
+
+def _step_by_step(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    task: Task[MuJoCoParameters],
+    turns: FloatArray,
+    log: _Log,
+    first: int,
+) -> _Log:
+    """The log with the steps from `first` on, which begin at the state of `data`; up to an early stop."""
+    poses, forces, clock, controls = log.pose, log.force, log.clock, turns.tolist()
     pose, control, sensors, step = data.qpos, data.ctrl, data.sensordata, mujoco.mj_step
-    push = None if task.force is None else _Push(task.force, grid, task.first, data)
-    for begin in range(0, steps, CHUNK):
-        end = min(begin + CHUNK, steps)
+    push = None if task.force is None else _Push(task.force, task.grid, task.first, data)
+    for begin in range(first, task.grid.steps, CHUNK):
+        end = min(begin + CHUNK, task.grid.steps)
         for n in range(begin, end):
-            control[0] = turns[n]
+            control[0] = controls[n]
             if push is not None:
                 push.apply(n)
             step(model, data)
             poses[n + 1] = pose
             forces[n] = sensors
             clock[n + 1] = data.time
-        late = np.flatnonzero(np.diff(clock[begin : end + 1]) < 0.5 * dt)
-        if late.size:
-            n = begin + int(late[0])
-            reset = clock[n + 1] < clock[n]
+        late = log.late(begin, end, task.grid.time_step)
+        if late is not None:
+            n, reset = late, clock[late + 1] < clock[late]
             why = (Failure.RESET, "MuJoCo reset its state") if reset else (Failure.FROZEN, "MuJoCo's clock stood still")
-            return _Log(poses[: n + 1], forces[: max(n, 1)], why)
-        x, y, z = poses[end, 1:4].tolist()
-        along, across, normal = to_beam(x, y, z, float(grid.angle[end]))
-        if task.limits.exceeded(along, across, normal - height):
-            return _Log(poses[: end + 1], forces[:end], None)
-    return _Log(poses, forces, None)
+            return _Log(poses[: n + 1], forces[: max(n, 1)], clock[: n + 1], why)
+        if _out_of_bounds(task, log, end):
+            return _Log(poses[: end + 1], forces[:end], clock[: end + 1])
+    return log
+
+
+def _out_of_bounds(task: Task[MuJoCoParameters], log: _Log, n: int) -> bool:
+    """Whether the ball has left the rails at t_n."""
+    x, y, z = log.pose[n, 1:4].tolist()
+    along, across, normal = to_beam(x, y, z, float(task.grid.angle[n]))
+    return task.limits.exceeded(along, across, normal - task.rig.eccentricity - task.rig.rolling_radius)
 
 
 class _Push:
@@ -190,18 +258,21 @@ class _Push:
 
 def _samples(rig: Rig, grid: Grid, log: _Log) -> Samples:
     """Samples with the maxima of every interval `FLIGHT`, and fewest contacts and smallest load of all steps."""
-    normal = log.force[:, ::3]
-    touching = (normal > 0.0).sum(axis=1)
-    load = normal.sum(axis=1) * rig.rolling_radius / channel_of(rig).ball_radius
+    touching, load = np.zeros(len(log.force), np.int64), np.zeros(len(log.force))
+    for normal in log.force.T[::3]:  # one contact after the other: sums over short rows take ten times as long
+        touching += normal > 0.0
+        load += normal
+    load *= rig.rolling_radius / channel_of(rig).ball_radius
     error = np.abs(log.pose[:, 0] - grid.angle[: len(log.pose)])
     every = max(1, round(FLIGHT / grid.time_step))
     samples = Samples(extremes={"contacts_min": int(touching.min()), "normal_force_min": float(load.min())})
     if log.stopped is not None:
         samples.stopped = len(log.pose) - 1, *log.stopped
-    whole = max(1, len(touching) // every)  # the last window includes the remainder
-    for n, end in zip(range(0, whole * every, every), [*range(every, whole * every, every), None], strict=True):
-        window = slice(n, end)
-        samples.add(n, int(touching[window].max()), float(load[window].max()), float(error[window].max()))
+    begins = np.arange(max(1, len(touching) // every)) * every  # the last window includes the remainder
+    samples.step = begins.tolist()
+    samples.contacts = np.maximum.reduceat(touching, begins).tolist()
+    samples.normal_force = np.maximum.reduceat(load, begins).tolist()
+    samples.angle_error = np.maximum.reduceat(error, begins).tolist()
     return samples
 
 

@@ -10,7 +10,7 @@ from analytic.geometry import RAIL_REACH
 from analytic.motion import BallForce, BeamMotion, FloatArray, State, Trajectory
 from analytic.rig import Rig
 from harness.engines.health import Failure, Health
-from harness.engines.leapfrog import Grid, Start, Track, grid_of, sample, start_of
+from harness.engines.leapfrog import Grid, Start, Track, beam_on, grid_of, sample, start_of
 from harness.engines.parameters import EngineParameters
 from harness.engines.watch import Limits, Samples, judge, limits_of
 from harness.errors import EngineFailure, HarnessError, InputError
@@ -37,8 +37,8 @@ Parameters = TypeVar("Parameters", bound=EngineParameters)
 
 @dataclass(frozen=True)
 class Task(Generic[Parameters]):
-    """What an engine is to simulate: the rig, its settings, the driven beam, the ball's start, an additional force, and
-    the limits beyond which it may stop."""
+    """What an engine is to simulate: the rig, its settings, the driven beam, the ball's start, an additional force, the
+    limits beyond which it may stop, and where the middle of the track lies across the beam's joint [m]."""
 
     rig: Rig
     settings: Parameters
@@ -46,13 +46,23 @@ class Task(Generic[Parameters]):
     first: Start
     force: BallForce | None
     limits: Limits
+    across: float = 0.0
 
 
 class Engine(ABC, Generic[Parameters]):
-    """A physics engine with a prescribed beam motion and a free ball."""
+    """A physics engine with a prescribed beam motion and a free ball.
+
+    Attributes:
+        name: as in results.
+        parameters: its settings.
+        scene_file: of the user's own scene; empty for the built-in one, which is made from the rig.
+        threads: whether runs without an additional force release Python's lock, so that threads run side by side.
+    """
 
     name: str
     parameters: type[Parameters]
+    scene_file: str = ""
+    threads: bool = False
 
     @abstractmethod
     def version(self) -> str:
@@ -75,6 +85,7 @@ class Engine(ABC, Generic[Parameters]):
         *,
         parameters: EngineParameters | None = None,
         force: BallForce | None = None,
+        base: Rig | None = None,
     ) -> EngineRun:
         """Simulates the ball on a beam driven with `motion`.
 
@@ -85,20 +96,38 @@ class Engine(ABC, Generic[Parameters]):
             time: output stamps, shape (n,), strictly increasing, possibly uneven [s].
             parameters: `None` for the defaults.
             force: additional force along the beam on the ball's centre, evaluated every step.
+            base: the rig before effects altered it; `None` if none did. The built-in scene is made from `rig` alone.
 
         Raises:
             EngineFailure: the run is invalid (see `harness.engines.health.Failure`).
             InputError: the engine's package is missing, or stamps, motion, settings or groove are invalid.
         """
-        settings = self.parameters() if parameters is None else parameters
-        if not isinstance(settings, self.parameters):
-            raise InputError(f"{self.name} needs {self.parameters.__name__}, not {type(settings).__name__}")
+        settings = self._checked(parameters)
         limits = limits_of(rig, reach=RAIL_REACH, slip=settings.slip_limit)
         grid = grid_of(motion, time, settings.time_step)
         task = Task(rig, settings, grid, start_of(rig, motion, grid, start, force), force, limits)
         track, samples = self._driven(task)
-        health = judge(self.name, rig, grid, track, samples, limits)
+        health = judge(self.name, rig, grid, track, samples, limits, beam_on(grid, motion, time))
         return EngineRun(*sample(self.name, rig, grid, track, start, time), health)
+
+    def try_out(self, rig: Rig) -> None:
+        """Load what does not follow from the rig.
+
+        Raises:
+            InputError: it cannot be driven.
+        """
+        return None
+
+    def elsewhere(self, parameter: str) -> str:
+        """Where a parameter is set that this engine does not take; empty if there is no such parameter."""
+        return ""
+
+    def _checked(self, parameters: EngineParameters | None) -> Parameters:
+        """Settings of this engine, its defaults for `None`."""
+        settings = self.parameters() if parameters is None else parameters
+        if not isinstance(settings, self.parameters):
+            raise InputError(f"{self.name} needs {self.parameters.__name__}, not {type(settings).__name__}")
+        return settings
 
     def _driven(self, task: Task[Parameters]) -> tuple[Track, Samples]:
         """As `drive`; whatever the engine's package raises is a failure of the engine."""

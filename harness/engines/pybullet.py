@@ -24,7 +24,7 @@ from pydantic import Field, model_validator
 from analytic.geometry import channel_of, rails_of, to_world
 from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.engines.chord import Pose, follow
+from harness.engines.chord import Pose, Stepper, follow
 from harness.engines.leapfrog import Start, Track, spin_angle_of
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine, Task
@@ -34,7 +34,7 @@ from harness.errors import HarnessError
 from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf
 
 with without_lines(b"pybullet build time"):  # a greeting, written from C at the first import
-    import pybullet
+    import pybullet as pybullet
 
 NO_SPEED_LIMIT = 1e6  # [rad/s, m/s]
 FEWEST_ITERATIONS = 15  # leave nothing on the paper's rig
@@ -156,7 +156,7 @@ class _Scene:
 
     def pose(self) -> Pose:
         centre, turn = pybullet.getBasePositionAndOrientation(self.ball, self.client)
-        return (*centre, *turn)
+        return tuple(centre + turn)
 
     def spin_angle(self, orientations: FloatArray) -> FloatArray:
         return spin_angle_of(orientations[:, 1], orientations[:, 3])
@@ -164,11 +164,28 @@ class _Scene:
     def push(self, pose: Pose, x: float, z: float) -> None:
         pybullet.applyExternalForce(self.ball, -1, (x, 0.0, z), pose[:3], pybullet.WORLD_FRAME, self.client)
 
-    def step(self, angle: float, rate: float, x: float, z: float) -> Pose:
-        rates = [[rate], [x - self.sag[0]], [z - self.sag[1]]]
-        pybullet.resetJointStatesMultiDof(self.beam, self.joints, [[angle], [0.0], [0.0]], rates, self.client)
-        pybullet.stepSimulation(self.client)
-        return self.pose()
+    def stepper(self) -> Stepper:
+        # What does not change in a run is looked up once: a tenth of a step's time.
+        set_joints, simulate = pybullet.resetJointStatesMultiDof, pybullet.stepSimulation
+        where, client, ball, beam, joints = (
+            pybullet.getBasePositionAndOrientation,
+            self.client,
+            self.ball,
+            self.beam,
+            self.joints,
+        )
+        sag_x, sag_z = self.sag
+        turned, turning, along_x, along_z = [0.0], [0.0], [0.0], [0.0]
+        values, rates = [turned, [0.0], [0.0]], [turning, along_x, along_z]  # Bullet reads lists; tuples crash it
+
+        def step(angle: float, rate: float, x: float, z: float) -> Pose:
+            turned[0], turning[0], along_x[0], along_z[0] = angle, rate, x - sag_x, z - sag_z
+            set_joints(beam, joints, values, rates, client)
+            simulate(client)
+            centre, turn = where(ball, client)
+            return centre + turn
+
+        return step
 
     def contacts(self, angle: float) -> tuple[int, float]:
         points = pybullet.getContactPoints(self.ball, self.beam, physicsClientId=self.client)

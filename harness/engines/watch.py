@@ -10,12 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.geometry import channel_of
-from analytic.motion import BallForce
+from analytic.lift_off import first_lift_off
+from analytic.motion import BallForce, FloatArray
 from analytic.rig import Rig
 from harness.engines.health import Failure, Health
 from harness.engines.leapfrog import Grid, Track
 from harness.errors import EngineFailure
 
+# What a ball does that has lifted off, or is about to: the grip goes with the normal force, some steps before.
+_AFTER_LIFT_OFF = (Failure.SLIPPED, Failure.EXTRA_CONTACT, Failure.LEFT_GROOVE, Failure.LOST_CONTACT)
+_NEARLY = 0.01  # [s]
 STANDSTILL = 1e-9  # [rad] per step, [m/s]: smaller motions may be lost in rounding
 
 
@@ -26,20 +30,24 @@ class Limits:
     Attributes:
         across: |y| [m].
         height: |height of the ball's centre − r| [m].
-        along: |s| [m].
+        along: |s − middle| [m].
         slip: |ṡ − r (φ̇ − α̇)| [m/s].
+        middle: of the rails [m].
+        contacts: fewest and most contacts that carry the ball.
     """
 
     across: float
     height: float
     along: float
     slip: float
+    middle: float
+    contacts: tuple[int, int]
 
     def exceeded(self, along: float, across: float, height_error: float) -> bool:
         """Whether a ball at s, y and this height error [m] is out of bounds or NaN."""
         return not (
-            abs(along) <= self.along and abs(across) <= self.across and abs(height_error) <= self.height
-        )  # fmt: skip
+            abs(along - self.middle) <= self.along and abs(across) <= self.across and abs(height_error) <= self.height
+        )
 
 
 def limits_of(rig: Rig, *, reach: float, slip: float) -> Limits:
@@ -53,6 +61,8 @@ def limits_of(rig: Rig, *, reach: float, slip: float) -> Limits:
         height=0.1 * rig.rolling_radius,
         along=reach - rig.radius,
         slip=slip,
+        middle=0.0,
+        contacts=(channel_of(rig).contacts,) * 2,
     )
 
 
@@ -86,27 +96,41 @@ class Samples:
         self.angle_error.append(angle_error)
 
 
-def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, limits: Limits) -> Health:
+def judge(
+    engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, limits: Limits, beam: FloatArray
+) -> Health:
     """Health of a run, which may have stopped early.
 
     Of several failures the first applicable one is reported, causes before consequences: non-finite state, frozen
-    state, end of the rails, sliding before contact was lost, extra contacts, leaving the groove, lost contact.
+    state, end of the rails, sliding before contact was lost, extra contacts, leaving the groove, lost contact. Where
+    the beam falls away faster than the ball does, all but the first three are called lifting off, at the instant at
+    which the normal force of eq. 14 falls below zero.
+
+    Args:
+        engine: its name.
+        rig, grid, track, samples, limits: of the run.
+        beam: α, α̇, α̈ on the grid, shape (steps + 1, 3) [rad, s].
 
     Raises:
         EngineFailure: the run is invalid.
     """
 
     def fail(failure: Failure, n: int, what: str) -> EngineFailure:
+        if failure in _AFTER_LIFT_OFF:
+            seen = n + math.ceil(_NEARLY / grid.time_step)
+            lifted = _lifted(rig, grid, track, beam, seen)
+            if lifted is not None:
+                return EngineFailure(engine, Failure.LIFTED_OFF, lifted, Failure.LIFTED_OFF.value)
         return EngineFailure(engine, failure, float(grid.time[n]), f"{what}; {failure.value}")
 
-    finite = np.isfinite([track.along, track.across, track.height, track.rolled])
-    bad = _first(np.any(~finite, axis=0, keepdims=False))
+    # A sum is finite where all its terms are: they are metres and radians.
+    bad = _first(~np.isfinite(track.along + track.across + track.height + track.rolled))
     if bad is not None:
         raise fail(Failure.NOT_FINITE, bad, "a state is NaN or infinite")
-    needed, height_error = channel_of(rig).contacts, track.height - rig.rolling_radius
+    (needed, most), height_error = limits.contacts, track.height - rig.rolling_radius
     slip = (np.diff(track.along) - rig.rolling_radius * np.diff(track.rolled)) / grid.time_step
     left = _first((np.abs(track.across) > limits.across) | (np.abs(height_error) > limits.height))
-    off = _first(np.abs(track.along) > limits.along)
+    off = _first(np.abs(track.along - limits.middle) > limits.along)
     slid = _first(np.abs(slip) > limits.slip)
     loose = [n for n, count, force in zip(samples.step, samples.contacts, samples.normal_force, strict=True)
              if count < needed or force <= 0.0]  # fmt: skip
@@ -120,7 +144,7 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
         raise fail(Failure.RAN_OFF, off, f"s = {track.along[off]:.2f} m is past the end of the rails")
     if slid is not None and ((left is None and lost is None) or (held and slid <= held[-1])):
         raise fail(Failure.SLIPPED, slid, f"the contact slips at {abs(slip[slid]) * 1e3:.1f} mm/s")
-    extra = next((n for n, count in zip(samples.step, samples.contacts, strict=True) if count > needed), None)
+    extra = next((n for n, count in zip(samples.step, samples.contacts, strict=True) if count > most), None)
     if extra is not None and (lost is None or extra < lost):
         count = samples.contacts[samples.step.index(extra)]
         raise fail(Failure.EXTRA_CONTACT, extra, f"{count} contacts at s = {track.along[extra]:.3f} m")
@@ -143,8 +167,19 @@ def judge(engine: str, rig: Rig, grid: Grid, track: Track, samples: Samples, lim
         slip_max=float(np.abs(slip[1:]).max()) if len(slip) > 1 else 0.0,
         angle_error_max=max(samples.angle_error),
         steps=grid.steps,
+        lifted_off=_lifted(rig, grid, track, beam, grid.steps),
     )
     return replace(health, **samples.extremes)
+
+
+def _lifted(rig: Rig, grid: Grid, track: Track, beam: FloatArray, last: int) -> float | None:
+    """First time at which the normal force of eq. 14 is negative on the engine's own path up to step `last` [s]."""
+    count = min(last + 1, len(track.along))
+    if count < 2:
+        return None
+    velocity = np.gradient(track.along[:count], grid.time_step)
+    found = first_lift_off(track.along[:count], velocity, beam[:count], rig)
+    return None if found is None else float(grid.time[found])
 
 
 def finite_force(engine: str, force: BallForce, s: float, speed: float, angle: float, time: float) -> float:

@@ -4,6 +4,8 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from analytic.naming import did_you_mean
 from analytic.rig import Rig
 from harness.errors import InputError
@@ -13,6 +15,7 @@ from harness.recording.own_files import is_own
 from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
+from harness.scene import Scene
 
 _DATA = Path(__file__).parents[1] / "data"
 BUNDLED = _DATA / "paper_protocol"
@@ -44,6 +47,7 @@ class Case:
         predict: names of the recordings to predict.
         findings: warnings and notes on the rig file and on all recordings.
         sha256: of the rig file; `None` if there is none.
+        scene: the user's own scene, which engines run in place of the built-in one; `None` without one.
     """
 
     path: Path
@@ -56,6 +60,7 @@ class Case:
     predict: tuple[str, ...]
     findings: tuple[DataFinding, ...]
     sha256: str | None
+    scene: Scene | None = None
 
     @property
     def name(self) -> str:
@@ -138,7 +143,14 @@ def _with_rig_file(path: Path, file: Path) -> Case:
         predict=predict,
         findings=(*content.findings, *findings, *_of_recordings(recordings, identify)),
         sha256=content.sha256,
+        scene=None if content.scene is None else replace(content.scene, rolls_at=_rolls_at(recordings)),
     )
+
+
+def _rolls_at(recordings: dict[str, Recording]) -> float | None:
+    """Median of all known positions [m]."""
+    known = [one.position[one.known] for one in recordings.values()]
+    return float(np.median(np.concatenate(known))) if any(map(len, known)) else None
 
 
 def _with_paper_rig(path: Path, files: list[Path]) -> Case:

@@ -4,7 +4,7 @@ import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -13,7 +13,9 @@ from analytic.rig import RigError
 from harness.errors import InputError
 from harness.recording.findings import DataFinding
 from harness.recording.known_rig import Declared, KnownRig, Sensors
+from harness.recording.scene_files import scene_of
 from harness.recording.source import read_source
+from harness.scene import Scene
 
 Positive = Annotated[float, Field(gt=0.0)]
 DENSITIES = (10.0, 23_000.0)  # kg/m³: foam, and above osmium
@@ -24,9 +26,9 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def _quantity(key: str) -> Any:
+def _quantity(key: str, default: float | None = None) -> Any:
     """A quantity that a table has under `key`, with its unit, and the product without."""
-    return Field(None, alias=key)
+    return Field(default, alias=key)
 
 
 class _Ball(_Table):
@@ -64,6 +66,17 @@ class _Recordings(_Table):
     predict: list[str] = []
 
 
+class _Scene(_Table):
+    mjcf: str | None = None
+    urdf: str | None = None
+    ball_urdf: str | None = None
+    beam_joint: str = Scene.beam_joint
+    ball: str = Scene.ball
+    direction: Literal[1, -1] = 1
+    level_joint_angle: float = _quantity("level_joint_angle_rad", 0.0)
+    driven_joint: str | None = None
+
+
 class _RigFile(_Table):
     origin: str | None = None
     ball: _Ball = _Ball()
@@ -72,6 +85,7 @@ class _RigFile(_Table):
     sensors: _Sensors = _Sensors()
     declared: list[_Declared] = []
     recordings: _Recordings | None = None
+    scene: _Scene | None = None
 
 
 TABLES: dict[str, type[_Table]] = {
@@ -80,6 +94,7 @@ TABLES: dict[str, type[_Table]] = {
     "environment": _Environment,
     "sensors": _Sensors,
     "recordings": _Recordings,
+    "scene": _Scene,
 }
 KEYS = {
     table: tuple(field.alias or name for name, field in model.model_fields.items()) for table, model in TABLES.items()
@@ -98,6 +113,7 @@ class RigFile:
         identify, predict: names of recordings as written; both `None` without a table `[recordings]`.
         findings: warnings and notes on the file.
         sha256: of the file's bytes.
+        scene: the user's own scene; `None` without a table `[scene]`.
     """
 
     origin: str | None
@@ -108,6 +124,7 @@ class RigFile:
     predict: tuple[str, ...] | None
     findings: tuple[DataFinding, ...]
     sha256: str
+    scene: Scene | None = None
 
 
 def read_rig_file(path: Path) -> RigFile:
@@ -147,6 +164,7 @@ def read_rig_file(path: Path) -> RigFile:
         predict=None if listed is None else tuple(listed.predict),
         findings=tuple(_findings(path, rig)),
         sha256=source.sha256,
+        scene=None if content.scene is None else scene_of(path, **dict(content.scene)),
     )
 
 
@@ -210,6 +228,8 @@ def _advice(error: Any) -> str:
         if location[0] == "declared" and kind == "list_type":
             return "[declared] must be a list of tables. Write [[declared]] with two brackets."
         return f"{where} = {value!r} has the wrong type. Write {wanted}."
+    if kind == "literal_error":
+        return f"{where} = {value!r}: write {error['ctx']['expected']}."
     if kind in ("greater_than", "greater_than_equal"):
         bound = "positive" if kind == "greater_than" else "zero or positive"
         return f"{where} = {value!r} must be {bound}. Correct it, or delete the line if it is unknown."

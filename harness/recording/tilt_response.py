@@ -6,7 +6,7 @@ term in α̈ with a possibly unknown lever: ∫ α φ̈ dt is partialled out of 
 K = 1/(1 + J/(m r²)), 0.4 to 0.8 for solid balls; wrong units and signs show as factors.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,16 +45,21 @@ def tilt_response(
         gravity: g [m/s²].
 
     Returns:
-        The response; `None` if the recording is too short or one channel is constant.
+        The response; `None` if the recording is too short, or one channel is constant or too large for a float.
     """
     block = -(-len(angle) // MAX_SAMPLES)
     count = len(angle) // block
-    tilt, path = (
-        channel[: count * block].reshape(count, block).mean(axis=1) * scale
-        for channel, scale in ((angle, gravity), (position, 1.0))
-    )
-    if np.ptp(tilt) == 0.0 or np.ptp(path) == 0.0:
+    with np.errstate(over="ignore", invalid="ignore"):
+        tilt, path = (
+            channel[: count * block].reshape(count, block).mean(axis=1) * scale
+            for channel, scale in ((angle, gravity), (position, 1.0))
+        )
+        sizes = float(np.ptp(tilt)), float(np.ptp(path))
+    if not all(0.0 < size < np.inf for size in sizes):
         return None
+    # Powers of two, which round nothing: squares of sums of any other unit's numbers may be too large for a float.
+    exponents = [int(np.frexp(size)[1]) for size in sizes]
+    tilt, path = (np.ldexp(one, -exponent) for one, exponent in zip((tilt, path), exponents, strict=True))
     best: TiltResponse | None = None
     half = MIN_HALF_WINDOW
     while half * MIN_WINDOWS <= count:
@@ -62,7 +67,7 @@ def tilt_response(
         if best is None or response.t_value > best.t_value:
             best = response
         half = int(half * WINDOW_GROWTH) + 1
-    return best
+    return None if best is None else replace(best, slope=float(np.ldexp(best.slope, exponents[1] - exponents[0])))
 
 
 def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> TiltResponse:

@@ -18,7 +18,7 @@ from analytic.effects import CATALOGUE, Effect, EffectError, Force, SensorLaw, T
 from analytic.effects.force import Values
 from analytic.motion import FloatArray
 from analytic.rig import Rig
-from harness.errors import InputError
+from harness.errors import INTERRUPTS, InputError
 from harness.recording.source import read_source
 from harness.time_limit import TimeLimit, time_limit
 
@@ -35,7 +35,6 @@ _GIVES: dict[str, type | None] = {
     "transmission": Transmission,
     "sensor": SensorLaw,
 }
-_FAULTS = (Exception, SystemExit, GeneratorExit, TimeLimit)
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,9 @@ def read_effects(file: Path) -> tuple[Effect, ...]:
         # Settings that the file makes for the whole program end with it.
         with np.errstate(), warnings.catch_warnings(), time_limit(LONGEST_READ):
             content = runpy.run_path(str(file))
-    except _FAULTS as error:
+    except INTERRUPTS:
+        raise
+    except BaseException as error:
         raise _blamed(file, error) from error
     values = [v for value in content.values() for v in (value if isinstance(value, list | tuple) else [value])]
     effects = {id(v): v for v in values if isinstance(v, Effect) and not any(v is one for one in CATALOGUE.values())}
@@ -95,9 +96,9 @@ def read_effects(file: Path) -> tuple[Effect, ...]:
     try:
         with time_limit(LONGEST_READ):
             return tuple(_checked(file, effect) for effect in effects.values())
-    except InputError:
+    except (InputError, *INTERRUPTS):
         raise
-    except _FAULTS as error:  # an attribute of another type than an effect has, or too many laws that are slow
+    except BaseException as error:  # an attribute of another type than an effect has, or too many laws that are slow
         raise _blamed(file, error) from error
 
 
@@ -149,7 +150,9 @@ def _guarded(
         try:
             with time_limit(LONGEST_CALL):
                 made = function(*arguments, **named)
-        except _FAULTS as error:
+        except INTERRUPTS:
+            raise
+        except BaseException as error:
             raise _blamed(file, error, name) from error
         if gives is not None and not isinstance(made, gives):
             raise InputError(f"{file}: {name}: {role} gives {made!r}. Let it give a {gives.__name__}.")

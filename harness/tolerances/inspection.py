@@ -16,6 +16,7 @@ from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure, InputError
 from harness.recording import load_case
+from harness.recording.rig_changes import with_rig_changes
 from harness.tolerances.check import Checked, check, require
 from harness.tolerances.file import tolerances_for
 from harness.tolerances.limits import Limit, Tolerances
@@ -62,17 +63,18 @@ def inspect(
         recording: name within the case, `None` for the first recording for identification.
         engines: engines to run; if empty, those with a limit.
         assignments: `engine.parameter=value`.
-        parameters: TOML file with one table per engine; assignments take precedence.
+        parameters: TOML file with one table per engine, and possibly one of the rig; assignments take precedence.
         tolerances: file of the limits, `None` for the case's own or else the defaults.
 
     Raises:
         InputError: an input is invalid or would have no effect.
     """
     settings = read_settings(parameters, assignments)
-    case = load_case(path)
+    case = with_rig_changes(load_case(path), parameters)
     limits = tolerances_for(case.path, tolerances)
     names = tuple(dict.fromkeys(engines)) or limits.engines
-    chosen = tuple((engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in map(engine_of, names))
+    engines_chosen = (engine_of(name, case.scene) for name in names)
+    chosen = tuple((engine, parameters_of(engine, settings.get(engine.name, {}))) for engine in engines_chosen)
     _refuse_unused(names, settings, limits)
     kept = limits.without(set(limits.engines) - set(names))
     setting = prepare(case, kept.applied_to(Choices(recording=recording, lengths=())))

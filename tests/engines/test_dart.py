@@ -127,7 +127,7 @@ def test_same_input_gives_the_same_bits() -> None:
 @pytest.mark.parametrize(
     ("motion", "settings", "force", "failure"),
     [
-        (Sines(((0.1, 12.6, 0.0),)), {}, None, Failure.LEFT_GROOVE),
+        (Sines(((0.1, 12.6, 0.0),)), {}, None, Failure.LIFTED_OFF),
         (Fixed(0.09), {}, None, Failure.RAN_OFF),
         (MOTION, {"friction": 0.005}, None, Failure.SLIPPED),
         (MOTION, {}, lambda s, v, a, t: math.nan, Failure.NOT_FINITE),

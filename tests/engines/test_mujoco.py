@@ -303,7 +303,7 @@ def test_shaking_beam_loses_the_ball() -> None:
     shaken = failure(
         motion=Sines(((1.1 * 9.81 / 0.36 / omega**2, omega, 0.0),)), start=State(0.36, 0.0), time=np.linspace(0, 1, 101)
     )
-    assert shaken.failure is Failure.LOST_CONTACT
+    assert shaken.failure is Failure.LIFTED_OFF
 
 
 def test_ball_runs_off_the_rails() -> None:
@@ -328,7 +328,7 @@ def test_standstill_of_the_engine_is_noticed(monkeypatch: pytest.MonkeyPatch) ->
     """Notice an engine that answers without going on."""
     step, calls = mujoco.mj_step, iter(range(10**9))
     monkeypatch.setattr(mujoco, "mj_step", lambda model, data: step(model, data) if next(calls) < 700 else None)
-    frozen = failure()
+    frozen = failure(force=lambda s, v, angle, t: 0.0)  # without a force MuJoCo loops by itself
     assert frozen.failure is Failure.FROZEN
     assert frozen.time == pytest.approx(0.7, abs=0.002)
 

@@ -109,6 +109,7 @@ def written(folder: Path, text: str) -> Path:
     [
         ("x = 1\ny = (\n", r"mine\.py, line 2: SyntaxError: '\(' was never closed"),
         ("import numpy\n\nx = 1 / 0\n", r"mine\.py, line 3: ZeroDivisionError"),
+        ("raise BaseException('no more')\n", r"mine\.py, line 1: BaseException: no more"),
         ("import sys\nsys.exit(0)\n", r"mine\.py, line 2: ends the program by sys\.exit\. Correct the file"),
         (
             HEAD + "import sys\n" + OWN.format(**GOOD | {"force": 'Force("angle", lambda a, size: sys.exit(0))'}),
@@ -151,6 +152,7 @@ def written(folder: Path, text: str) -> Path:
     ids=[
         "syntax",
         "error",
+        "no Exception",
         "exit",
         "exit in a law",
         "endless file",

@@ -1,6 +1,6 @@
 """Sections on the engines: their errors split into step size, contact model and missing physics; health, settings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
@@ -8,6 +8,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from harness.comparison.attribution import Attribution
 from harness.comparison.sources import SourceRuns
 from harness.engines.health import Health
+from harness.engines.protocol import Engine
 from harness.formatting import fixed, length, number, percent
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
@@ -94,13 +95,27 @@ def health(subject: Subject) -> Section | None:
     context = {
         "failures": [(run.horizon.name, str(failure)) for run in runs for failure in run.failures],
         "warnings": sorted(warnings),
+        "lift_offs": _grouped(study.lift_offs),
         "table": _health(runs),
         "settings": [
-            (label_of(engine.name), engine.version(), list(parameters.model_dump().items()))
+            (_title(engine), engine.version(), list(parameters.model_dump().items()))
             for engine, parameters in study.engines
         ],
     }
     return Section("engines", "Engines", "Engines", "comparison/engines.html", context)
+
+
+def _grouped(texts_by_source: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Labels of the sources that say the same, with the text."""
+    groups: dict[str, list[str]] = {}
+    for source, text in texts_by_source.items():
+        groups.setdefault(text, []).append(label_of(source))
+    return [(", ".join(labels), text) for text, labels in groups.items()]
+
+
+def _title(engine: Engine) -> str:
+    """Name of an engine, and of the user's scene that it runs."""
+    return label_of(engine.name) + (f" with {engine.scene_file}," if engine.scene_file else "")
 
 
 def _health(runs: Sequence[SourceRuns]) -> Table:
