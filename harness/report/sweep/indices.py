@@ -1,0 +1,97 @@
+"""Section: Sobol' indices, which parameter matters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.formatting import fixed
+from harness.report.page import Section
+from harness.report.palette import INK, label_of, look_of
+from harness.report.plots import Picture, drawing, picture, style
+from harness.report.sweep.subject import Subject
+from harness.report.tables import Table, texts
+from harness.sweeps.indices import Indices
+from harness.sweeps.results import MEASURED
+
+_MOST_PICTURES = 6
+
+
+def section(subject: Subject) -> Section | None:
+    """Indices of every output; nothing where none were asked for."""
+    if not subject.results.indices:
+        return None
+    drawn = [one for one in subject.results.indices if one.factors]
+    return Section(
+        "indices",
+        "Which parameter matters",
+        "Parameters",
+        "sweep/indices.html",
+        {
+            "tables": tables(subject),
+            "pictures": [_picture(subject, one) for one in drawn[:_MOST_PICTURES]],
+            "without": without(subject),
+            "dropped": [
+                f"{_title(subject, one)}: {one.dropped} of {one.base_samples} base samples left out, because a run "
+                "of theirs failed."
+                for one in drawn
+                if one.dropped
+            ],
+        },
+    )
+
+
+def without(subject: Subject) -> list[str]:
+    """Outputs without indices, and why."""
+    return [
+        f"{_title(subject, one)}: no Sobol' indices, because {one.reason}."
+        for one in subject.results.indices
+        if one.reason
+    ]
+
+
+def tables(subject: Subject) -> list[Table]:
+    """One an output, one row a factor."""
+    made = []
+    for one in subject.results.indices:
+        if one.factors:
+            rows = [
+                (f"`{each.factor}`", _with(each.first, each.first_half), _with(each.total, each.total_half))
+                for each in one.factors
+            ]
+            columns = [*texts("factor"), "first order [1]", "total [1]"]
+            made.append(Table(f"Sobol' indices: {_title(subject, one)}", columns, rows))
+    return made
+
+
+def _with(value: float, half: float) -> str:
+    return f"{fixed(value, 3)} ± {fixed(half, 3)}"
+
+
+def _title(subject: Subject, one: Indices) -> str:
+    output = (
+        f"RMS error against the {subject.measured} positions"
+        if one.output == MEASURED
+        else "largest difference from CAM"
+    )
+    listed = ", ".join(f"{name} = {subject.value(value)}" for name, value in one.listed.items())
+    return f"{label_of(one.source)}, {output}" + (f" ({listed})" if listed else "")
+
+
+@style()
+def _picture(subject: Subject, one: Indices) -> Picture:
+    figure = drawing(0.9 + 0.42 * len(one.factors))
+    axes = figure.subplots()
+    places = np.arange(len(one.factors), dtype=float)[::-1]
+    look = look_of(one.source)
+    for shift, face, name in ((0.17, look.colour, "first"), (-0.17, "white", "total")):
+        values = [getattr(each, name) for each in one.factors]
+        halves = [getattr(each, f"{name}_half") for each in one.factors]
+        label = "first order: alone" if name == "first" else "total: with others"
+        axes.barh(places + shift, values, 0.3, xerr=halves, color=face, edgecolor=look.colour, ecolor=INK, label=label)
+    axes.set_yticks(places, [each.factor for each in one.factors])
+    axes.axvline(0.0, color=INK, linewidth=0.8)
+    axes.set_xlabel("share of the variance")
+    axes.legend(loc="best")
+    return picture(
+        figure, f"Sobol' indices of {len(one.factors)} factors", f"{_title(subject, one)}. Lines: 95 % intervals."
+    )

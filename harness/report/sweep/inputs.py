@@ -1,0 +1,50 @@
+"""Section: what was swept, and how to repeat it."""
+
+from __future__ import annotations
+
+from harness.report.page import Section
+from harness.report.palette import label_of
+from harness.report.sweep.subject import Subject
+from harness.report.tables import Table, texts
+from harness.sweeps.factors import Factor
+
+_MOST = 12
+
+
+def section(subject: Subject) -> Section | None:
+    """Factors, design, recordings, command."""
+    spec, plan = subject.plan.spec, subject.plan
+    names = [f"{spec.case_names[number]}: {name}" for number, name in plan.recordings]
+    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+    return Section(
+        "inputs",
+        "What was swept",
+        "Inputs",
+        "sweep/inputs.html",
+        {
+            "table": _factors(subject),
+            "design": spec.design.replace("_", " "),
+            "size": spec.size,
+            "seed": spec.seed,
+            "recordings": ", ".join(names[:_MOST]) + more,
+            "command": subject.command,
+        },
+    )
+
+
+def _factors(subject: Subject) -> Table:
+    rows = []
+    for source, factors in subject.plan.spec.factors.items():
+        for one in factors:
+            rows.append((label_of(source), f"`{one.name}`", _values(subject, one)))
+    return Table("", texts("source", "factor", "values"), rows)
+
+
+def _values(subject: Subject, factor: Factor) -> str:
+    if factor.range is None:
+        return ", ".join(subject.value(one) for one in factor.values)
+    how = "logarithmic, " if factor.range.scale == "log" else ""
+    levels = f", {factor.range.levels} levels" if factor.range.levels else ""
+    return f"{subject.value(factor.range.low)} to {subject.value(factor.range.high)} ({how}sampled{levels})".replace(
+        "sampled, ", ""
+    )

@@ -1,0 +1,129 @@
+"""Section: work and precision, error against time of each engine and step size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from harness.formatting import brief, length, number
+from harness.report.page import Section
+from harness.report.palette import label_of, look_of, swatch
+from harness.report.plots import Picture, drawing, picture, plain_log, style
+from harness.report.sweep.subject import Subject
+from harness.report.tables import Column, Table, texts
+from harness.sweeps.factors import CAM_SOURCE
+from harness.sweeps.results import Results, WorkPrecision
+
+_WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
+
+
+def section(subject: Subject) -> Section | None:
+    """Error against time; nothing where step sizes were sampled and no engine ran."""
+    results = subject.results
+    if not results.work_precision:
+        return None
+    return Section(
+        "work-precision",
+        "Error against time",
+        "Error and time",
+        "sweep/work_precision.html",
+        {
+            "picture": _picture(subject) if _drawable(results) else None,
+            "table": table(results, marked=True),
+            "horizon": subject.horizon,
+            "measured": subject.measured,
+        },
+    )
+
+
+def table(results: Results, *, marked: bool = False) -> Table | None:
+    """One row a source and step size; `marked` with the source's colour."""
+    if not results.work_precision:
+        return None
+    fastest = min((one.seconds for one in results.work_precision if one.seconds > 0.0), default=math.nan)
+    rows = [
+        (
+            swatch(one.source) if marked else label_of(one.source),
+            "—" if one.time_step is None else brief(one.time_step),
+            number(one.seconds, 2),
+            number(one.seconds / fastest, 2),
+            "0" if one.source == CAM_SOURCE else length(one.error_cam),
+            "0" if one.source == CAM_SOURCE else length(one.error_cam_max),
+            length(one.error_measured),
+            str(one.runs),
+            str(one.failed),
+        )
+        for one in results.work_precision
+    ]
+    columns = [
+        *texts("source"),
+        "time step [s]",
+        Column("time / motion", "1", hint="median processor time of a run over the time that it simulates"),
+        Column("times the fastest", "1"),
+        Column("to CAM", "median", hint="largest difference from CAM in a run"),
+        Column("to CAM", "largest"),
+        Column("measured", "median", hint="RMS error against the recorded positions"),
+        "runs",
+        "failed",
+    ]
+    return Table("Error against time", columns, rows)
+
+
+def _points(results: Results, attribute: str) -> dict[str, list[WorkPrecision]]:
+    found: dict[str, list[WorkPrecision]] = {}
+    for one in results.work_precision:
+        if one.seconds > 0.0 and getattr(one, attribute) > 0.0:
+            found.setdefault(one.source, []).append(one)
+    return found
+
+
+def _drawable(results: Results) -> bool:
+    return bool(_points(results, "error_cam") or _points(results, "error_measured"))
+
+
+@style()
+def drawn(results: Results) -> Figure:
+    """Error against CAM and against the measurement, over the time of a run per second of motion."""
+    figure = drawing(3.6)
+    left, right = figure.subplots(1, 2)
+    for axes, attribute, name in (
+        (left, "error_cam", "largest difference from CAM [m]"),
+        (right, "error_measured", "RMS error against the recording [m]"),
+    ):
+        for source, points in _points(results, attribute).items():
+            look = look_of(source)
+            x, y = [one.seconds for one in points], [getattr(one, attribute) for one in points]
+            axes.plot(x, y, "o-", color=look.colour, markersize=4, linewidth=1.2, label=look.label)
+            for one, at, value in zip(points, x, y, strict=True):
+                if one.time_step is not None:
+                    axes.annotate(brief(one.time_step), (at, value), (4, 4), textcoords="offset points", fontsize=7)
+        axes.set(xlabel="processor time per second of motion [s]", ylabel=name)
+        axes.margins(0.12)
+        values = [getattr(one, attribute) for points in _points(results, attribute).values() for one in points]
+        _scaled(axes, "x", [one.seconds for one in results.work_precision if one.seconds > 0.0])
+        _scaled(axes, "y", values)
+        if axes.has_data():
+            axes.legend(loc="best")
+    return figure
+
+
+def _scaled(axes: Axes, which: str, values: Sequence[float]) -> None:
+    """A logarithmic axis; where the values differ little, one from zero."""
+    if values and max(values) > _WIDE * min(values):
+        low, high = math.floor(math.log10(min(values))) - 1, math.ceil(math.log10(max(values)))
+        marks = (1,) if high - low > 3 else (1, 2, 5)
+        plain_log(axes, which, [mark * 10.0**power for power in range(low, high + 1) for mark in marks])
+    else:
+        axes.set(**{f"{which}lim": (0.0, 1.25 * max(values, default=1.0))})
+
+
+def _picture(subject: Subject) -> Picture:
+    with style():
+        return picture(
+            drawn(subject.results),
+            "Error over time, one line an engine, one point a step size",
+            "Medians of all runs with a step size, which is beside each point [s].",
+        )
