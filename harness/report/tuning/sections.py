@@ -1,0 +1,237 @@
+"""Sections of the report of `harness tune`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from harness.formatting import NONE, length, number
+from harness.numerics import rms
+from harness.recording import Case
+from harness.report.page import Section
+from harness.report.palette import MEASURED_COLOUR, Look, label_of, look_of
+from harness.report.plots import Picture, dots, drawing, line, picture, sample, style, zero
+from harness.report.tables import Row, Table, texts
+from harness.report.tuning.words import sentences
+from harness.tuning.cam import CamErrors
+from harness.tuning.estimate.free import LEVEL
+from harness.tuning.estimate.selection import KEEP, SEEN
+from harness.tuning.tune import Tuned
+
+TEMPLATE = "tuning/section.html"
+_DRAWN = 3  # windows that are drawn
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A tuning with the data of its report.
+
+    Attributes:
+        tuned: the result.
+        cam: CAM on the same blocks; `None` if it is not known.
+        case: the input.
+        settings: text of the settings file; empty if nothing was tuned.
+        command: that repeats the tuning; empty if it is not known.
+    """
+
+    tuned: Tuned
+    cam: CamErrors | None
+    case: Case
+    settings: str = ""
+    command: str = ""
+
+    @property
+    def engine(self) -> str:
+        """The engine's displayed name."""
+        return label_of(self.tuned.model.engine.name)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a section shows, in this order: sentences, a picture, tables, a list, preformatted texts, notes."""
+
+    answer: tuple[str, ...] = ()
+    texts: tuple[str | Markup, ...] = ()
+    picture: Picture | None = None
+    tables: tuple[Table, ...] = ()
+    items: tuple[str, ...] = ()
+    code: tuple[str, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+
+def answer(subject: Subject) -> Section:
+    """The answer, the tuned values, and free runs before and after."""
+    told = sentences(subject.tuned, subject.cam, str(subject.case.path))
+    content = Content(answer=told, picture=_picture(subject), tables=(values_table(subject.tuned),))
+    return Section("answer", "Answer", "Answer", TEMPLATE, {"content": content})
+
+
+def values_table(tuned: Tuned) -> Table:
+    """Every fitted parameter with its default, value and interval; what does not pay is told so."""
+    found = tuned.selection.found
+    rows = []
+    for name in found.names:
+        one = tuned.model.free[name]
+        low, high = found.interval(name)
+        default = NONE if one.default is None else number(one.default, 4)
+        remark = "pays" if name in tuned.selection.pays else "fitted along, does not pay"
+        if found.at_bound(name):
+            remark = "at its bound: its interval says little"
+        interval = f"{number(low, 4)} … {number(high, 4)}"
+        rows.append((f"`{name}`", default, number(found.values[name], 4), interval, one.unit, remark))
+    columns = [*texts("parameter"), "before", "value", "95 % interval", *texts("unit", "")]
+    return Table("Fitted parameters", columns, rows)
+
+
+@style()
+def drawn(subject: Subject) -> Figure:
+    """Free runs over the first windows before and after, against the readings."""
+    tuned = subject.tuned
+    windows, before, after = tuned.windows, tuned.selection.before, tuned.selection.found
+    runs = tuned.model.runs(windows, [(before.values, before.starts), (after.values, after.starts)])
+    own = look_of(tuned.model.engine.name)
+    looks = (Look("before", "#8a8f98", (5.0, 2.0), 1.4, 4), Look("tuned", own.colour, None, 1.6, 5))
+    shown = range(min(_DRAWN, len(windows)))
+    figure = drawing(4.2)
+    rows = figure.subplots(2, len(shown), sharex="col", squeeze=False)
+    for at in shown:
+        one, upper, lower = windows[at], rows[0, at], rows[1, at]
+        dots(upper, one.time, one.reading, Look("", MEASURED_COLOUR))
+        for look, run in zip(looks, runs, strict=True):
+            line(upper, one.time, run[at], look)
+            line(lower, one.time, 1e3 * (run[at] - one.reading), look)
+        zero(lower)
+        upper.set_title(one.recording.name)
+        lower.set_xlabel("t in s")
+    rows[0, 0].set_ylabel("s in m")
+    rows[1, 0].set_ylabel("run − reading in mm")
+    rows[0, 0].legend(handles=[sample(look) for look in looks])
+    return figure
+
+
+@style()
+def _picture(subject: Subject) -> Picture:
+    figure = drawn(subject)
+    what = "simulated readings" if subject.case.simulated else "readings"
+    caption = (
+        f"Free runs of {subject.engine} over windows, from starts fitted to each, against {what} (dots): before, with "
+        "the level angle as given, and with the fitted parameters."
+    )
+    return picture(figure, f"Free runs of {subject.engine} before and after tuning", caption)
+
+
+def errors(subject: Subject) -> Section | None:
+    """Errors on held-out blocks beside CAM; `None` without any."""
+    held, cam = subject.tuned.held_out, subject.cam
+    if held is None:
+        return None
+    sources = {f"{subject.engine}, before": held.before, f"{subject.engine}, tuned": held.after}
+    if cam is not None:
+        blocks = list(held.blocks)
+        names = ", ".join((*cam.effects, *(("an unlisted law",) if cam.unlisted else ()))) or "none found"
+        sources |= {"CAM": cam.before[blocks], f"CAM with effects: {names}": cam.after[blocks]}
+    best = min(sources, key=lambda name: rms(sources[name]))
+    table = Table(
+        "RMS errors on held-out blocks",
+        [*texts("source"), "RMS error", "median of blocks"],
+        [
+            Row((name, length(rms(each)), length(float(np.median(each)))), "best" if name == best else "")
+            for name, each in sources.items()
+        ],
+    )
+    margin = held.margin
+    sure = (
+        ()
+        if margin is None or not subject.tuned.selection.pays
+        else (
+            f"Tuning lowers the RMS error by {length(margin.value)} (95 % interval {length(margin.low)} … "
+            f"{length(margin.high)}, paired bootstrap over blocks).",
+        )
+    )
+    note = (
+        f"{len(held.blocks)} held-out blocks of up to three windows, in each of which the first 2 s are known and "
+        "the next 3 s are predicted from the angle. Parameters are fitted anew without the readings to be predicted. "
+        "The engine's starts are fitted to the known part; CAM's come from its filter."
+    )
+    content = Content(texts=sure, tables=(table,), notes=(note,))
+    return Section("errors", "Errors on held-out readings", "Errors", TEMPLATE, {"content": content})
+
+
+def screening(subject: Subject) -> Section:
+    """Which parameters the recordings tell at all, and what was tried in which order."""
+    selection = subject.tuned.selection
+    rows = []
+    for name, one in selection.screened.items():
+        verdict = "tuned" if name in selection.pays else "does not pay" if one.seen else "not seen: left at its default"
+        tried = ", ".join(number(value, 3) for value in one.tried)
+        rows.append((f"`{name}`", tried, number(one.sensitivity), verdict))
+    columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("")]
+    tried_rows = [
+        Row(
+            (f"`{one.name}`", ", ".join(name for name in one.beside if name != LEVEL) or NONE, number(one.deviance),
+             number(one.bic), "kept" if one.kept else "not kept", one.why),
+            "best" if one.kept else "",
+        )
+        for one in selection.attempts
+    ]  # fmt: skip
+    attempts = Table(
+        "Fits that were compared",
+        [
+            *texts("parameter", "beside"),
+            "decrease of the deviance",
+            "decrease of the BIC",
+            *texts("decision", "reason"),
+        ],
+        tried_rows,
+    )
+    note = (
+        "A parameter is seen if one of the values tried changes the whitened free runs by more than "
+        f"{math.sqrt(SEEN):g} standard deviations in all, after the windows' starts and the fitted parameters have "
+        "made up for what they can. Those that promise most are fitted, and the best one is kept if it lowers the BIC "
+        f"by more than {KEEP:g}."
+    )
+    tables = (Table("Sensitivity of the free parameters", columns, rows), attempts)
+    content = Content(tables=tables, notes=(note,))
+    return Section("screening", "What was tried", "Screening", TEMPLATE, {"content": content})
+
+
+def identifiability(subject: Subject) -> Section:
+    """Correlations of the fitted parameters, and combinations that the recordings do not tell apart."""
+    found = subject.tuned.selection.found
+    rows = [
+        (f"`{name}`", *(f"{value:+.2f}" for value in row))
+        for name, row in zip(found.names, found.correlation, strict=True)
+    ]
+    table = Table("Correlation of the fitted parameters", [*texts("parameter"), *found.names], rows)
+    combinations = subject.tuned.combinations
+    text = (
+        "These combinations are not identifiable from these recordings (collinearity index 10 or more):"
+        if combinations
+        else "No combination of the parameters that the recordings tell is undetermined (collinearity index below 10)."
+    )
+    content = Content(texts=(text,), items=tuple(one.text for one in combinations), tables=(table,))
+    return Section("identifiability", "What cannot be told apart", "Identifiability", TEMPLATE, {"content": content})
+
+
+def inputs(subject: Subject) -> Section:
+    """Settings file, recordings, command."""
+    tuned, problem = subject.tuned, subject.tuned.model.problem
+    rows = [
+        (one.name, number(float(one.time[-1] - one.time[0])), str(int(np.isfinite(one.reading).sum())))
+        for one in problem.recordings
+    ]
+    table = Table("Recordings fitted to", [*texts("recording"), "length [s]", "positions"], rows)
+    found = tuned.selection.found
+    before, after = (number(math.sqrt(one.misfit)) for one in (tuned.selection.before, found))
+    text = (
+        f"{len(tuned.windows)} windows of about 5 s. Noise of a position reading: "
+        f"{length(math.sqrt(problem.reading_variance), 2)}. Root mean square of the residuals over what noise and "
+        f"angle error explain: {before} before, {after} after."
+    )
+    code = tuple(one for one in (subject.settings, subject.command) if one)
+    content = Content(texts=(text,), tables=(table,), code=code)
+    return Section("inputs", "Inputs and settings file", "Inputs", TEMPLATE, {"content": content})

@@ -1,0 +1,72 @@
+"""The answer of a tuning in words."""
+
+from __future__ import annotations
+
+import math
+
+from harness.formatting import length, listed, measured, number
+from harness.numerics import rms
+from harness.report.palette import label_of
+from harness.tuning.cam import CamErrors
+from harness.tuning.tune import Tuned, Verdict
+
+_BETTER = 0.8  # of the engine's held-out error, below which CAM with effects counts as better
+
+
+def sentences(tuned: Tuned, cam: CamErrors | None, case: str) -> tuple[str, ...]:
+    """What was found, what it gains, and what to do next.
+
+    Args:
+        case: as the user typed it, for the command to type next.
+    """
+    name, found = label_of(tuned.model.engine.name), tuned.selection.found
+    ratio = math.sqrt(found.misfit)
+    lacks = f"the residuals of its free runs are {number(ratio, 2)} times what reading noise and angle error explain"
+    told = []
+    match tuned.verdict:
+        case Verdict.TUNED:
+            told.append(f"{name} was tuned: {listed([value_text(tuned, one) for one in tuned.selection.pays])}.")
+        case Verdict.NOTHING:
+            told.append(
+                f"Nothing to tune: with its defaults {name} predicts these recordings as well as reading noise and "
+                "angle error allow, and no free parameter lowers the criterion."
+            )
+        case Verdict.PHYSICS:
+            told.append(f"No free parameter of {name} helps, although {lacks}.")
+    told += _errors(tuned, cam)
+    if not found.complete:
+        beyond = "Still " if tuned.verdict is Verdict.TUNED else ""
+        physics = f"physics is missing that no contact parameter stands for. `harness diagnose {case}` looks for it."
+        told.append(f"{beyond}{lacks}: {physics}" if beyond else physics[:1].upper() + physics[1:])
+    return tuple(told)
+
+
+def value_text(tuned: Tuned, name: str) -> str:
+    """`friction` 0.0092 ± 0.0002: the value, with half the width of its 95 % interval."""
+    found = tuned.selection.found
+    low, high = found.interval(name)
+    unit = tuned.model.free[name].unit
+    return f"`{name}` {measured(found.values[name], 0.5 * (high - low))}{'' if unit == '1' else f' {unit}'}"
+
+
+def _errors(tuned: Tuned, cam: CamErrors | None) -> list[str]:
+    held = tuned.held_out
+    if held is None:
+        return ["The recordings are too short for held-out blocks, so that no prediction error can be told."]
+    before, after = rms(held.before), rms(held.after)
+    if tuned.selection.pays:
+        margin = held.margin
+        sure = "" if margin is None or margin.sure else ", which so few blocks do not make sure"
+        verb = "falls" if after < before else "rises"
+        told = [f"On held-out blocks its RMS error {verb} from {length(before)} to {length(after)}{sure}."]
+    else:
+        told = [f"On held-out blocks its RMS error is {length(before)}."]
+    if cam is not None:
+        plain, with_effects = cam.rms(held.blocks)
+        effects = [*(f"`{name}`" for name in cam.effects), *(["an unlisted law"] if cam.unlisted else [])]
+        if effects:
+            better = " predicts better:" if with_effects < _BETTER * after else " comes to"
+            told.append(f"CAM with {listed(effects)}{better} {length(with_effects)} (without: {length(plain)}).")
+        else:
+            told.append(f"CAM, which a diagnosis adds no effect to, comes to {length(plain)}.")
+    return told
