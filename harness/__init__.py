@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from harness.api.diagnosis import Diagnosis, diagnose
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
+    from harness.api.scene import SceneCheck, check_scene
+    from harness.api.sweep import Sweep, sweep
+    from harness.api.tuning import Tuning, tune
     from harness.errors import EngineFailure, HarnessError, InputError
 
 _NAMES = {  # in the order of docs/api.md
@@ -30,6 +33,9 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
     "harness.api.replay": ("replay", "Replayed"),
+    "harness.api.tuning": ("tune", "Tuning"),
+    "harness.api.sweep": ("sweep", "Sweep"),
+    "harness.api.scene": ("check_scene", "SceneCheck"),
     "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
     "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
@@ -48,11 +54,17 @@ __all__ = [
     "LoadedDiagnosis",
     "Parameter",
     "Replayed",
+    "SceneCheck",
+    "Sweep",
+    "Tuning",
+    "check_scene",
     "compare",
     "diagnose",
     "load_case",
     "load_diagnosis",
     "replay",
+    "sweep",
+    "tune",
 ]
 
 

@@ -46,4 +46,17 @@ class EngineFailure(HarnessError):
         self.engine = engine
         self.failure = failure
         self.time = time
+        self._detail = detail
         super().__init__(f"{engine} failed at t = {time:.3f} s: {detail}")
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Its own arguments: those of an exception are its text, from which no process could make it again."""
+        return type(self), (self.engine, self.failure, self.time, self._detail)
+
+
+class Terminated(BaseException):
+    """SIGTERM came."""
+
+
+INTERRUPTS = (KeyboardInterrupt, Terminated)
+"""What a signal raises; no handler of somebody else's errors may take it for one of these."""

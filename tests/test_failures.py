@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 
-from harness.errors import InputError
+from harness.errors import EngineFailure, InputError
 from harness.failures import Failed, Failures, Part, attempt, caught
 
 
@@ -56,3 +56,10 @@ def test_a_failure_is_listed_once() -> None:
         assert attempt(failures, Part.CANDIDATE, "level_error", broken, 7) == 7
     assert attempt(failures, Part.CANDIDATE, "level_error", lambda: 8, 7) == 8
     assert [one.part for one in failures.all] == ["report", "candidate"]
+
+
+def test_an_engine_failure_comes_back_from_another_process() -> None:
+    """Keep what failed, when and how, through the pickle in which a worker process hands it over."""
+    failure = EngineFailure("mujoco", "lost contact", 1.25, "1 contact with 0.3 N")
+    back = pickle.loads(pickle.dumps(failure))
+    assert (str(back), back.engine, back.failure, back.time) == (str(failure), "mujoco", "lost contact", 1.25)

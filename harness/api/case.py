@@ -64,7 +64,12 @@ def case_of(given: CheckedCase | str | Path) -> Case:
     return load_case(given)
 
 
+def scene_files(case: CheckedCase) -> tuple[Path, ...]:
+    """The files of the user's own scene, if the case has one."""
+    return () if case.scene is None else case.scene.files
+
+
 def input_files(case: CheckedCase) -> tuple[Path, ...]:
     """The files that a case was read from."""
     rig = case.path if case.path.name == cases.RIG_FILE else case.path / cases.RIG_FILE
-    return (*(one.path for one in case.recordings.values()), *([rig] if case.sha256 else []))
+    return (*(one.path for one in case.recordings.values()), *([rig] if case.sha256 else []), *scene_files(case))

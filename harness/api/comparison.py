@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from harness.engines.parameters import EngineParameters
     from harness.engines.protocol import Engine
     from harness.recording import Case as CheckedCase
+    from harness.scene import Scene
     from harness.tolerances import Checked, Tolerances
 
 REPORT = "report.html"
@@ -189,7 +190,7 @@ def compare(
         from harness.tolerances import check as held_to
         from harness.tolerances import tolerances_for
 
-        chosen = _choose_engines(engines, settings or {})
+        chosen = _choose_engines(engines, settings or {}, case.scene)
         limits = None
         if check or tolerances is not None:
             limits = tolerances_for(case.path, None if tolerances is None else Path(tolerances))
@@ -263,7 +264,7 @@ def headline_rows(study: Study) -> list[tuple[str, ...]]:
 
 
 def _choose_engines(
-    names: Sequence[str], settings: Mapping[str, Mapping[str, Any]]
+    names: Sequence[str], settings: Mapping[str, Mapping[str, Any]], scene: Scene | None
 ) -> list[tuple[Engine, EngineParameters]]:
     """Those that are named; else the default ones and whichever has settings. All settings are checked."""
     from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
@@ -271,6 +272,6 @@ def _choose_engines(
     idle = sorted(set(settings) - set(names)) if names else []
     if idle:
         raise InputError(f"parameters of {', '.join(idle)} are set, but --engine leaves it out; name it or drop them")
-    engines = {name: engine_of(name) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
+    engines = {name: engine_of(name, scene) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
     checked = {name: parameters_of(engine, settings.get(name, {})) for name, engine in engines.items()}
     return [(engines[name], checked[name]) for name in dict.fromkeys(names or engines)]

@@ -9,7 +9,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.api.acceptance import check_codes, refuse_worthless
 from harness.api.case import Case, case_of, input_files
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from harness.identify.diagnosis import Diagnosis as Found
     from harness.recording import Case as CheckedCase
+    from harness.scene import Scene
 
 REPORT = "diagnosis.html"
 
@@ -44,12 +45,14 @@ class Asked:
     effects: tuple[Path, ...] = ()
     out: Path | None = None
     accept: tuple[str, ...] = ()
+    parameters: Path | None = None
 
     @contextmanager
     def scratch(self, folder: Path, case: CheckedCase, *, force: bool) -> Iterator[Path]:
         """A scratch folder for all files of a diagnosis (`all_or_nothing`)."""
         names = (FILE, REPORT, NEXT_EXPERIMENT, *prediction_files(case))
-        inputs = (*input_files(case), *self.also, *self.effects)
+        parameters = () if self.parameters is None else (self.parameters,)
+        inputs = (*input_files(case), *self.also, *self.effects, *parameters)
         with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
             yield scratch
 
@@ -58,6 +61,7 @@ class Asked:
         options: list[tuple[str, Path | str]] = [("--out", self.out)] if whole and self.out is not None else []
         options += [("--accept", code) for code in self.accept if whole]
         options += [("--also", file) for file in self.also if whole]
+        options += [("--parameters", self.parameters)] if whole and self.parameters is not None else []
         options += [("--effects", file) for file in self.effects]
         words = [str(word) for option in options for word in option]
         return shlex.join(["harness", name, *map(str, paths), *words])
@@ -153,6 +157,7 @@ def diagnose(
     also: Sequence[str | Path] = (),
     effects: Sequence[Given] = (),
     accept: Sequence[str] = (),
+    parameters: str | Path | None = None,
     out: str | Path | None = None,
     force: bool = False,
     yes: bool = False,
@@ -166,6 +171,8 @@ def diagnose(
         also: further recordings of the rig, with positions, to hold the result against; nothing is fitted to them.
         effects: effects of your own to look for beside the catalogue's, as Python files or as `Effect` objects.
         accept: codes of findings about the input that would stop the diagnosis, such as `angle-sign`, and are meant so.
+        parameters: settings of the engines with which the result is validated, as a TOML file with one table an engine,
+            such as `tune` writes. Its table `[rig]` is left aside: effects that are found stand for it.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
         yes: diagnose although it takes longer than ten minutes.
@@ -179,10 +186,12 @@ def diagnose(
         WorthlessInput: a finding about the input, such as a reversed sign, makes any verdict worthless.
     """
     begin = time.monotonic()
-    asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out), tuple(accept))
+    asked = Asked(tuple(map(Path, also)), files_of(effects), None if out is None else Path(out), tuple(accept),
+                  None if parameters is None else Path(parameters))  # fmt: skip
     check_codes(asked.accept)
     with beside_catalogue(effects) as own, shown(progress) as tell:
         case = case_of(case)
+        settings = _engine_settings(asked.parameters, case.scene)
         hashes = input_hashes(case, asked.effects)
         prediction_files(case)
         further = _further(case, asked.also)
@@ -193,6 +202,7 @@ def diagnose(
         with nullcontext() if asked.out is None else asked.scratch(asked.out, case, force=force) as scratch:
             tell("drives and rig", share=0.0)
             from harness.api.assemble import diagnosis_record
+            from harness.engines.catalogue import try_scene
             from harness.identify.diagnosis import diagnose as find
             from harness.identify.pose import problem_of
             from harness.identify.problem.problem import PreparedRecording
@@ -200,13 +210,35 @@ def diagnose(
 
             problem = problem_of(case)
             records = [PreparedRecording.of(observe(one, case.sensors, problem.rig)) for one in further]
-            found = find(problem, tell, also=records, length=case.rig.length, jobs=jobs)
+            if case.scene is not None:
+                try_scene(case.scene, problem.rig)
+            found = find(
+                problem,
+                tell,
+                also=records,
+                length=case.rig.length,
+                jobs=jobs,
+                settings=settings,
+                scene=case.scene,
+            )
             record = diagnosis_record(found, case, time.monotonic() - begin, hashes, further).with_seal()
             made = Diagnosis(record, case, found, effects=own, asked=asked)
             if scratch is not None and asked.out is not None:
                 tell("report", share=0.95)
                 made._write(scratch, asked.out, jobs)
     return made
+
+
+def _engine_settings(file: Path | None, scene: Scene | None) -> dict[str, dict[str, Any]]:
+    """Settings by engine, all of them checked."""
+    if file is None:
+        return {}
+    from harness.engines.catalogue import engine_of, parameters_of, read_settings
+
+    settings = read_settings(file, ())
+    for name, given in settings.items():
+        parameters_of(engine_of(name, scene), given)
+    return settings
 
 
 def _further(case: Case, files: Sequence[Path]) -> list[Recording]:
@@ -235,6 +267,7 @@ def input_hashes(case: CheckedCase, effects: Sequence[Path] = ()) -> dict[str, s
     """
     hashes = {name: case.recordings[name].sha256 for name in case.identify}
     hashes |= {"rig.toml": case.sha256} if case.sha256 else {}
+    hashes |= case.scene.sha256 if case.scene else {}
     for file in effects:
         if file.name in hashes:
             raise InputError(f"{file}: another file that the diagnosis is made from has this name; rename one of them")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from harness.errors import InputError
 
@@ -20,6 +20,7 @@ ASKED = 600.0
 _STEP = {"mujoco": 4e-5}
 _STEP_OTHER = 1.1e-4
 _DIAGNOSIS, _RECORDING, _READING = 60.0, 2.0, 0.01
+_TUNED_RUNS = 100.0  # a parameter: through all windows, for screening, fits and held-out blocks
 _HALF_AND_DOUBLE = 2.5
 """Runs at half and at double the time step, which tell the numerical error, in runs of the whole recording."""
 
@@ -40,6 +41,22 @@ def diagnosis_time(recordings: Sequence[Recording]) -> float:
     """Time that a diagnosis of these recordings takes [s]."""
     readings = sum(int(one.usable.sum()) for one in recordings)
     return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings
+
+
+def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings: Mapping[str, Any]) -> float:
+    """Time that tuning takes [s].
+
+    Args:
+        durations: of the recordings to fit to [s].
+        free: how many parameters may be tuned.
+        engine: to tune.
+        settings: of it.
+    """
+    from harness.engines.catalogue import parameters_of
+    from harness.tuning.estimate.windows import LENGTH, MOST
+
+    steps = min(sum(durations), MOST * LENGTH) / parameters_of(engine, settings).time_step
+    return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER)
 
 
 def ask(seconds: float, remedy: str, *, yes: bool) -> None:

@@ -57,6 +57,7 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
         "inputs": {
             **{one.name: one.sha256 for one in setting.used},
             **({RIG_FILE: setting.case.sha256} if setting.case.sha256 else {}),
+            **(setting.case.scene.sha256 if setting.case.scene else {}),
         },
         "versions": {
             "harness": version("ball-beam-harness"),
@@ -75,8 +76,10 @@ def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
             "draws": setting.choices.draws,
             "tolerance_m": setting.choices.tolerance,
             "engines": {engine.name: parameters.model_dump() for engine, parameters in study.engines},
+            "scenes": {engine.name: engine.scene_file for engine, _ in study.engines if engine.scene_file},
         },
         "seed": setting.choices.seed,
+        "lift_off": dict(study.lift_offs),
         "failures": [str(failure) for failure in study.failures],
         "wall_time_s": round(wall_time, 3),
     }

@@ -172,7 +172,7 @@ def _conclusions(
     failures = Failures(failed)
     tell("verdict and intervals")
     identified = judge(problem, selection, failures)
-    found = validate(identified, failures, tell, length=case.rig.length, engines=engines)
+    found = validate(identified, failures, tell, length=case.rig.length, engines=engines, scene=case.scene)
     made = diagnosis_record(found, case, record.wall_time_s, hashes)
     spared = {("errors", "also"), *(() if engines else [("errors", "engines")])}
     spared |= {("findings",)} if record.errors.also else set()

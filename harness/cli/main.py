@@ -16,9 +16,12 @@ from typing import Any
 import click
 
 from analytic.motion import State
+from harness.cli.check_scene import check_scene
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
-from harness.cli.termination import Terminated, terminable
-from harness.errors import HarnessError, printable
+from harness.cli.sweep import sweep
+from harness.cli.termination import terminable
+from harness.cli.tune import tune
+from harness.errors import HarnessError, Terminated, printable
 
 
 class Friendly(click.Group):
@@ -123,6 +126,9 @@ def main() -> None:
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness replay reports/my_rig/ my_rig/
       harness simulate --out virtual/ --imperfect
+      harness tune my_rig/              contact parameters of an engine, with intervals
+      harness sweep sweep.toml          many runs over settings, step sizes, rigs and recordings
+      harness check-scene my_rig/       a scene of your own, see docs/scenes.md
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
     no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
@@ -221,6 +227,13 @@ def run(case: Path | None, **options: Any) -> None:
     metavar="FILE",
     help="Further recording of the rig, with positions, for validation only: errors before and after are reported; "
     "repeatable.",
+)
+@click.option(
+    "--parameters",
+    type=_PATH,
+    metavar="FILE",
+    help="Settings of the engines that validate the result, from a TOML file such as `harness tune` writes; its table "
+    "[rig] is left aside, as effects that are found stand for it.",
 )
 @_effects_option
 @click.option(
@@ -325,9 +338,9 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """
     from harness.cli.predict import predict_recording
 
-    text, warning = predict_recording(diagnosis, recording, **options)
-    if warning:
-        click.echo(f"warning: {warning}", err=True)
+    text, warnings = predict_recording(diagnosis, recording, **options)
+    for warning in warnings:
+        click.echo(warning, err=True)
     click.echo(text)
 
 
@@ -381,3 +394,8 @@ def simulate(out: Path, **options: Any) -> None:
     from harness.cli.simulate import simulate_case
 
     click.echo(simulate_case(out, **options))
+
+
+main.add_command(sweep)
+main.add_command(tune)
+main.add_command(check_scene)

@@ -10,12 +10,13 @@ from harness.api.saved import load_diagnosis
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.errors import InputError
 from harness.recording import load_recording
+from harness.recording.findings import warnings_of
 
 
 def predict_recording(
     diagnosis: Path, recording: Path, *, out: Path | None, effects: Sequence[Path], force: bool, as_json: bool
-) -> tuple[str, str]:
-    """Predict a recording and write the CSV; what is to be printed, and a warning, which is empty if there is none.
+) -> tuple[str, tuple[str, ...]]:
+    """Predict a recording and write the CSV; what is to be printed, and warnings.
 
     Args:
         diagnosis, recording: files to read; for the diagnosis also its folder.
@@ -47,13 +48,11 @@ def predict_recording(
             "files": hashes_of(scratch),
         }
         (scratch / record).write_text(sealed_json(told), encoding="utf-8")
-    warning = (
-        ""
-        if kept.record.intact
-        else (
-            f"{kept.origin}: has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what "
-            "differs"
-        )
-    )
-    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum())}
-    return to_json(summary) if as_json else f"prediction: {target} ({len(table)} rows)", warning
+    warnings = tuple(map(str, warnings_of(read.findings)))
+    if not kept.record.intact:
+        text = "has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what differs"
+        warnings = (f"warning: {kept.origin}: {text}", *warnings)
+    if not as_json:
+        return f"prediction: {target} ({len(table)} rows)", warnings
+    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum()), "findings": read.findings}
+    return to_json(summary), warnings

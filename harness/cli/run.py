@@ -10,8 +10,9 @@ import click
 
 from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
-from harness.recording.case import BUNDLED
+from harness.recording.case import BUNDLED, load_case
 from harness.recording.findings import warnings_of
+from harness.recording.rig_changes import with_rig_changes
 
 
 def run_case(
@@ -40,8 +41,8 @@ def run_case(
     from harness.engines.catalogue import read_settings
 
     settings = read_settings(parameters, assignments)
-    case = path or BUNDLED
-    folder = out or report_folder(case)
+    folder = out or report_folder(path or BUNDLED)
+    case = with_rig_changes(load_case(path or BUNDLED), parameters)
     made = compare(case, settings=settings, check=check_limits, out=folder, progress=True, **options)
     click.echo(_as_json(made, folder) if as_json else _as_text(made, folder))
     for text in (*_failures(made), *made.report_failures):
@@ -76,6 +77,7 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "attribution": {one.source: one.rms() for one in result.attributions},
             "checks": made.checks,
             "findings": result.setting.case.findings,
+            "lift_off": dict(result.lift_offs),
             "failures": [str(failure) for failure in (*result.failures, *made.report_failures)],
         }
     )
@@ -94,6 +96,9 @@ def _as_text(made: Comparison, folder: Path) -> str:
         unit = "" if one.unit == "1" else f" {one.unit}"
         lines.append(f"  {one.name} = {one.value:.5g}{error}{unit} ({one.how})")
     lines += ["", *made.answer, "", _table(made)]
+    if result.lift_offs:
+        lines += ["", "lift-off, in the words of every source:"]
+        lines += [f"  {source}: {text}" for source, text in result.lift_offs.items()]
     if limits is not None:
         from harness.tolerances import render_table
 

@@ -11,9 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-
-class Terminated(BaseException):
-    """SIGTERM came."""
+from harness.errors import Terminated
 
 
 @contextmanager

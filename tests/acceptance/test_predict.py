@@ -6,6 +6,7 @@ import json
 import stat
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tests.acceptance.conftest import Harness
@@ -53,3 +54,15 @@ def test_a_diagnosis_of_another_version_is_refused(harness: Harness, case: Path,
     assert done.code == 2
     assert "is no diagnosis that this version can use" in done.err
     assert "diagnose anew" in done.err
+
+
+def test_what_is_odd_in_the_recording_is_said_with_its_prediction(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """Warn of an angle with the wrong sign on stderr and in the JSON, and predict all the same."""
+    table = pd.read_csv(sorted(case.glob("*.csv"))[0])
+    table["beam_angle_rad"] *= -1.0
+    table.to_csv(tmp_path / "reversed.csv", index=False)
+    done = harness("predict", case, tmp_path / "reversed.csv", "--json")
+    assert done.code == 0, done.err
+    assert "warning: reversed.csv: " in done.err
+    assert "angle-sign" in done.err
+    assert "angle-sign" in {one["code"] for one in json.loads(done.out)["findings"]}

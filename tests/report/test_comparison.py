@@ -49,6 +49,7 @@ VOID = {"meta", "img", "br", "link"}
 class Broken:
     """An engine that loses the ball in every run."""
 
+    scene_file = ""
     name = "broken"
     parameters = EngineParameters
 
@@ -56,7 +57,7 @@ class Broken:
         """Of no package."""
         return "0"
 
-    def run(self, rig, motion, start, time, *, parameters=None, force=None):
+    def run(self, rig, motion, start, time, *, parameters=None, force=None, base=None):
         """Fail as engines do."""
         raise EngineFailure(self.name, Failure.LEFT_GROOVE, float(time[0]) + 0.3, Failure.LEFT_GROOVE.value)
 
