@@ -42,12 +42,14 @@ class Failed:
         name: which one.
         message: text of the exception, with its type unless it is meant for the user.
         where: file, line and function that raised it; empty if it is meant for the user.
+        of_the_rig: whether no part is to blame, as for a ball that lifts off in every model.
     """
 
     part: Part
     name: str
     message: str
     where: str = ""
+    of_the_rig: bool = False
 
     def __str__(self) -> str:
         return described(self.part.value, self.name, self.message, self.where)
@@ -83,7 +85,7 @@ def caught(part: Part, name: str, job: Callable[[], T]) -> T | Failed:
         if isinstance(error, EngineFailure) and error.__cause__ is not None:  # an exception of the engine's package
             return Failed(part, name, str(error), _place(error.__cause__))
         if isinstance(error, HarnessError):
-            return Failed(part, name, str(error))
+            return Failed(part, name, str(error), of_the_rig=isinstance(error, EngineFailure) and error.of_the_rig)
         text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         return Failed(part, name, text, _place(error))
 

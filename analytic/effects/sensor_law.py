@@ -56,7 +56,8 @@ class SensorLaw:
 
     def slope(self, position: FloatArray) -> FloatArray:
         """Derivative of `curve`, never below a tenth of the gain, which a sensor's curve does not reach; same shape."""
-        slope = 1.0 + position * (2.0 * self.square + 3.0 * self.cube * position)
+        with np.errstate(over="ignore"):  # of a run that a fit tries and rejects; infinite is as steep as any
+            slope = 1.0 + position * (2.0 * self.square + 3.0 * self.cube * position)
         return self.gain * np.maximum(slope, _LEAST_SLOPE)
 
     def position(self, recorded: FloatArray) -> FloatArray:

@@ -23,6 +23,11 @@ class Failure(StrEnum):
     )
     RAN_OFF = "the ball ran past the end of the rails; check the level angle and the start state"
 
+    @property
+    def of_the_rig(self) -> bool:
+        """Whether every model says so too: the engine is right, and what was asked of it is no rolling."""
+        return self is Failure.LIFTED_OFF
+
 
 @dataclass(frozen=True)
 class Health:

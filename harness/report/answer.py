@@ -55,6 +55,7 @@ class Facts:
         shorter: the longest of the shorter horizons on which a source has a fit above 50 %: its seconds, source and
             RMS error; `None` if there is none.
         declared: names of the declared effects, included in every model.
+        lift_offs: sources in whose runs the ball lifts off, in words, with the first instant and what happens there.
     """
 
     recording: str
@@ -70,6 +71,7 @@ class Facts:
     engines: Sequence[EngineFact] = ()
     shorter: tuple[float, str, float] | None = None
     declared: Sequence[str] = ()
+    lift_offs: Sequence[tuple[str, str]] = ()
 
 
 def facts_of(study: Study) -> Facts:
@@ -91,6 +93,7 @@ def facts_of(study: Study) -> Facts:
         engines=[_engine_fact(study, engine.name) for engine, _ in study.engines],
         shorter=_shorter(study),
         declared=[effect.name for effect in setting.case.declared],
+        lift_offs=_lift_offs(study),
     )
 
 
@@ -172,7 +175,11 @@ def _engines(facts: Facts) -> str:
     failed = [one for one in facts.engines if one.failed]
     sound = [one for one in facts.engines if math.isfinite(one.departure) and not one.failed]
     near = [one for one in sound if one.departure <= _AGREEMENT * facts.u_val]
-    said = [f"{label_of(one.source)} failed: {one.failed}" for one in failed]
+    by_text: dict[str, list[str]] = {}
+    for one in failed:
+        by_text.setdefault(one.failed, []).append(one.source)
+    said = [f"{names(sources)} failed: {text}" for text, sources in by_text.items()]
+    said += [f"in {who}, at {text}" for who, text in facts.lift_offs]
     if near:
         worst = max(one.departure for one in near)
         verb = "agree" if len(near) > 1 else "agrees"
@@ -209,7 +216,7 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
     runs, cam = study.run_of(name, study.headline), study.run_of(CAM.name, study.headline)
     away = np.abs(runs.position - cam.position)
     split = next((one.rms() for one in study.attributions if one.source == name), {})
-    failures = [failure for failure in study.failures if failure.engine == name]
+    failures = [one for one in study.failures if one.engine == name and not one.of_the_rig]
     return EngineFact(
         source=name,
         departure=float(np.nanmax(away)) if np.isfinite(away).any() else math.nan,
@@ -217,6 +224,16 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
         contact=split.get("contact", math.nan),
         failed=str(failures[0]).removeprefix(f"{name} failed ") if failures else "",
     )
+
+
+def _lift_offs(study: Study) -> list[tuple[str, str]]:
+    groups: dict[str, list[str]] = {}
+    for source, text in study.lift_offs.items():
+        groups.setdefault(text, []).append(source)
+    return [
+        ("every source" if len(sources) == len(study.sources) else names(sources), text)
+        for text, sources in groups.items()
+    ]
 
 
 def _shorter(study: Study) -> tuple[float, str, float] | None:

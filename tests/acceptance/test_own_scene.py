@@ -160,7 +160,7 @@ def test_every_source_says_that_the_ball_lifts_off(harness: Harness, tmp_path: P
     rows = [f"{t:.4f},{a:.7f},{s:.6f}" for t, a, s in zip(time, motion.evaluate(time), ball, strict=True)]
     (tmp_path / "shaken.csv").write_text("time_s,beam_angle_rad,ball_position_m\n" + "\n".join(rows), encoding="utf-8")
     done = harness("run", tmp_path / "shaken.csv", "--window", 0.5, "--out", tmp_path / "out", "--json")
-    assert done.code == 3
+    assert done.code == 0, done.err  # no engine is to blame for what every model says too
     said = json.loads(done.out)["lift_off"]
     assert set(said) == {*MODELS, "mujoco", "pybullet"}
     assert {text.partition(": ")[2] for text in said.values()} == {Failure.LIFTED_OFF.value}
