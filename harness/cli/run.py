@@ -84,7 +84,7 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "checks": made.checks,
             "findings": result.setting.case.findings,
             "lift_off": dict(result.lift_offs),
-            "failures": [str(failure) for failure in (*result.failures, *made.report_failures)],
+            "failures": [str(failure) for failure in (*_of_engines(made), *made.report_failures)],
         }
     )
 
