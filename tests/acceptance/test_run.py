@@ -194,7 +194,7 @@ def test_simulated_cases_run(harness: Harness, shared: Path, name: str) -> None:
 
 @pytest.mark.slow
 def test_the_bundled_real_recording_runs(harness: Harness) -> None:
-    """Compare the measured recording that is a built-in case, by its name: every file, windows, when the ball lifts off.
+    """Compare the measured recording that is a built-in case, by its name: files, windows, when the ball lifts off.
 
     Its angle is the commanded one, which jumps: a beam that followed it would throw the ball.
     """
