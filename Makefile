@@ -47,9 +47,14 @@ $(INSTALLED): $(LOCKED) pyproject.toml
 	@$(BIN)/python -m pip check || { echo 'requirements.lock is behind pyproject.toml: make lock' >&2; exit 1; }
 	@touch $@
 
+BUNDLED := paper_protocol open_ball_beam
+
 .PHONY: report
-report: $(INSTALLED) ## run every model and engine on the bundled recording: reports/paper_protocol/report.html
-	$(BIN)/harness run $(ARGS)
+report: $(INSTALLED) ## compare and diagnose both bundled rigs, one simulated and one measured: reports/
+	@for rig in $(BUNDLED); do $(BIN)/harness run $$rig $(ARGS) && $(BIN)/harness diagnose $$rig || exit; done
+	@echo; echo 'Open in a browser:'; for rig in $(BUNDLED); do \
+	  echo "  $(CURDIR)/reports/$$rig/report.html     which model follows the recording"; \
+	  echo "  $(CURDIR)/reports/$$rig/diagnosis.html  what the model lacks"; done
 
 .PHONY: test
 test: $(INSTALLED) ## the fast tests
