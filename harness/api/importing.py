@@ -51,16 +51,11 @@ class Imported(Summarised):
         for name, one in self.recordings.items():
             sources = " and ".join(f"{source.path} ({source.kind})" for source in one.sources)
             rows = [
-                (
-                    line.role,
-                    line.column or "(no column)",
-                    line.unit,
-                    f"{line.evidence}; unit: {line.unit_from}",
-                    line.range,
-                )
+                (line.role, line.column or "(none)", line.evidence, line.unit, line.unit_from, line.range)
                 for line in one.lines
             ]
-            tables.append(Table(f"{name} from {sources}", texts("role", "column", "unit", "from", "in SI units"), rows))
+            heads = texts("role", "column", "because of", "unit", "because of", "in SI units")
+            tables.append(Table(f"{name} from {sources}", heads, rows))
             lines += [f"{name}: rate {one.rate}", f"{name}: sign {one.sign}"]
             lines += [f"{name}: negated: {' and '.join(one.flipped)}"] if one.flipped else []
             lines += [f"{name}: note: {note}" for note in one.notes]

@@ -6,6 +6,7 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,9 +64,9 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
     """Make a case of recordings as they come, and show how they were understood.
 
     FILE is a MAT-file (Simulink's structure with time, vectors, matrices), a spreadsheet (.xlsx), Parquet, text of an
-    oscilloscope, of LabVIEW (.lvm) or of anything else with columns, or a ROS bag. Writes rec_01.csv …, a rig.toml whose
-    comments say what is known, estimated or unknown, and import.json. What cannot be told from the file is asked on a
-    terminal; elsewhere the command ends with exit code 2 and the options to give. See docs/import.md.
+    oscilloscope, of LabVIEW (.lvm) or of anything else with columns, or a ROS bag. Writes rec_01.csv …, a rig.toml
+    whose comments say what is known, estimated or unknown, and import.json. What cannot be told from the file is asked
+    on a terminal; elsewhere the command ends with exit code 2 and the options to give. See docs/import.md.
 
     \b
     Examples:
@@ -85,7 +86,12 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
         command=shlex.join(["harness", *sys.argv[1:]]),
         **options,
     )
-    click.echo(to_json(made.record()) if as_json else made.summary().text())
+    if as_json:
+        click.echo(to_json(made.record()))
+        return
+    shown = made.summary()
+    click.echo(replace(shown, lines=()).text())
+    click.echo("\n" + "\n".join(shown.lines))
 
 
 def _ask(ambiguity: Ambiguity) -> Choice:

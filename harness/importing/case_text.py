@@ -69,8 +69,8 @@ def rig_text(
     lines = [
         f"origin = {_quoted(f'{origin}; {imported}' if origin else imported)}",
         "",
-        "# Written by `harness import`; what is in it may be changed. A line that begins with `# ` and a key is not known",
-        "# yet: take the # away and write its value. What stays unknown is estimated, or results are per unit of it.",
+        "# Written by `harness import`; change it as you like. A line with `#` before a key is a quantity that is not",
+        "# known yet: take the # away and write its value. What stays unknown is estimated, or results are per unit.",
         f"# Command: {_one_line(command)}",
     ]
     for name, each in recordings.items():

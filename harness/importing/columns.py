@@ -11,7 +11,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.signals import Group, Signal
-from harness.importing.words import Role, read_name
+from harness.importing.words import Kind, Role, read_name
 from harness.recording.findings import quoted
 
 MOST_CHOICES = 12
@@ -55,18 +55,17 @@ def find(path: Path, role: Role, groups: Sequence[Group], options: Options) -> F
         chosen = parse_chosen(role, text, names)
         group, signal = named(path, chosen.column, groups, option=f"--{role}")
         return Found(group, signal, chosen, f"--{role}")
-    kinds = [(group, signal, read_name(signal.name).kind or _kind_of_group(group, signal)) for group, signal in every]
+    kinds = [(group, signal, _kind(group, signal)) for group, signal in every]
     matches = [(group, signal) for group, signal, kind in kinds if kind == role]
     if len(matches) == 1:
-        return Found(*matches[0], None, f"its name '{matches[0][1].name}'")
+        return Found(*matches[0], None, "its name")
     shafts = [(group, signal) for group, signal, kind in kinds if kind == "shaft"]
     if role == "angle" and not matches and len(shafts) == 1:
         return _shaft(path, *shafts[0], options)
     if matches:
         question = f"{path}: {len(matches)} columns may be the {_WORDS[role]}."
         raise Ambiguity(question, _choices(role, matches))
-    time = {id(signal) for group, signal, kind in kinds if kind == "time" or signal.name == group.time}
-    left = [(group, signal) for group, signal, _ in kinds if id(signal) not in time and _varies(signal)]
+    left = [(group, signal) for group, signal, kind in kinds if kind != "time" and _varies(signal)]
     question = (
         f"{path}: no column is called the {_WORDS[role]}; it has {quoted([g.qualified(s) for g, s in every][:20])}."
     )
@@ -79,7 +78,13 @@ def find(path: Path, role: Role, groups: Sequence[Group], options: Options) -> F
 _WORDS = {"time": "time", "angle": "beam's angle", "position": "ball's position"}
 
 
-def _kind_of_group(group: Group, signal: Signal) -> str | None:
+def _kind(group: Group, signal: Signal) -> Kind | None:
+    if signal.name == group.time:
+        return "time"
+    return read_name(signal.name).kind or _kind_of_group(group, signal)
+
+
+def _kind_of_group(group: Group, signal: Signal) -> Kind | None:
     """What the name of a topic or structure with one signal besides the time says."""
     others = [one for one in group.signals if one.name != group.time]
     return read_name(group.name).kind if group.name and len(others) == 1 and others[0] is signal else None
@@ -89,7 +94,7 @@ def _shaft(path: Path, group: Group, signal: Signal, options: Options) -> Found:
     """The angle of a shaft, which is the beam's only if the user says so."""
     name = group.qualified(signal)
     if options.linkage is not None:
-        return Found(group, signal, None, f"its name '{signal.name}', with --linkage")
+        return Found(group, signal, None, "its name, with --linkage")
     as_beam = Choice({"angle": name}, f"--angle '{name}'", "it is the beam's angle")
     raise Ambiguity(
         f"{path}: '{name}' may be the angle of the servo or motor, and not that of the beam.",

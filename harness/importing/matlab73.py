@@ -24,8 +24,8 @@ def read_tree(path: Path) -> dict[str, Any]:
         import h5py
     except ImportError:
         raise InputError(
-            f"{path}: MAT-files of version 7.3 need the package h5py. Install it: pip install 'ball-beam-harness[files]', "
-            "or save the file in MATLAB with save(..., '-v7')."
+            f"{path}: MAT-files of version 7.3 need the package h5py. Install it: "
+            "pip install 'ball-beam-harness[files]', or save the file in MATLAB with save(..., '-v7')."
         ) from None
     try:
         with h5py.File(path, "r") as file:
@@ -34,8 +34,8 @@ def read_tree(path: Path) -> dict[str, Any]:
         raise
     except Exception as error:  # h5py raises whatever a damaged file leads to
         raise InputError(
-            f"{path}: cannot be read as a MAT-file of version 7.3 ({type(error).__name__}: {error}). Save it again from "
-            "MATLAB."
+            f"{path}: cannot be read as a MAT-file of version 7.3 ({type(error).__name__}: {error}). Save it again "
+            "from MATLAB."
         ) from None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,8 +11,10 @@ from harness.importing.cells import is_number
 from harness.importing.grid import Rows
 
 # What instruments call the sampling interval; the value is in seconds, whatever the samples' unit.
-_INTERVALS = ("sample interval", "sampling interval", "sample period", "sampling period", "increment", "xincrement",
-              "x increment", "hresolution", "horizontal interval", "delta t", "dt", "tdelta", "delta(second)")  # fmt: skip
+_INTERVALS = (
+    "sample interval", "sampling interval", "sample period", "sampling period", "increment", "xincrement",
+    "x increment", "hresolution", "horizontal interval", "delta t", "dt", "tdelta",
+)  # fmt: skip
 _RATES = ("sample rate", "sampling rate", "sampling frequency", "samplerate", "abtastrate", "fs")
 _STARTS = ("start", "xorigin", "x origin", "first point", "trigger offset")
 _MAKERS = {
@@ -46,10 +49,14 @@ class Preamble:
 
 
 def without_side_preamble(rows: Rows) -> tuple[Rows, tuple[list[str], ...]]:
-    """Separates a preamble in the first columns of the data's rows, as Tektronix writes it, from the data."""
+    """Separates a preamble that stands beside the data: on the left (Tektronix), or right of the names (Rigol)."""
     if not rows or len(rows) < 3:
         return rows, ()
     first = rows[0][1]
+    keys = {cell.casefold(): at for at, cell in enumerate(first)}
+    if {"start", "increment"} <= set(keys):  # Rigol writes them behind the names, with their values below
+        width = keys["start"]
+        return [(row, cells[:width]) for row, cells in rows], (first[width:], rows[1][1][width:])
     beside = len(first) > _SIDE + 1 and first[0].casefold().startswith("record length")
     if not beside or not all(map(is_number, first[_SIDE : _SIDE + 2])):
         return rows, ()
@@ -66,9 +73,9 @@ def preamble_of(rows: Sequence[Sequence[str]]) -> Preamble:
             filled = [one.strip() for one in re.split(r"[:=]", filled[0], maxsplit=1)]
         if len(filled) >= 2:
             entries.setdefault(filled[0].casefold().strip(' :"='), filled[1])
-    for above, below in zip(rows, rows[1:], strict=False):  # Rigol: X,CH1,Start,Increment
+    for above, below in itertools.pairwise(rows):  # Rigol: X,CH1,Start,Increment
         for name, value in zip(above, below, strict=False):
-            if name.strip().casefold() in (*_STARTS, *_INTERVALS) and is_number(value.strip()):
+            if name.strip().casefold() in {*_STARTS, *_INTERVALS} and is_number(value.strip()):
                 entries[name.strip().casefold()] = value.strip()
     increment, said = _first(entries, _INTERVALS)
     if increment is None:

@@ -24,8 +24,8 @@ def read_workbook(path: Path) -> SourceFile:
         from openpyxl import load_workbook
     except ImportError:
         raise InputError(
-            f"{path}: spreadsheets need the package openpyxl. Install it: pip install 'ball-beam-harness[files]', or save "
-            "the sheet as CSV."
+            f"{path}: spreadsheets need the package openpyxl. Install it: pip install 'ball-beam-harness[files]', or "
+            "save the sheet as CSV."
         ) from None
     try:
         book = load_workbook(path, read_only=True, data_only=True)

@@ -65,7 +65,7 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
         with_values = [one for one in matches if _rises(one)]
         matches = with_values if len(with_values) == 1 else matches
     if len(matches) == 1:
-        return _of_signal(matches[0], None, f"its name '{matches[0].name}'")
+        return _of_signal(matches[0], None, "its name")
     if not matches and group.step is not None:
         start = group.start
         values = start + group.step * np.arange(count, dtype=np.float64)

@@ -16,6 +16,7 @@ from harness.importing.choices import Ambiguity, Choice
 from harness.importing.columns import Found
 from harness.importing.physics import Evidence
 from harness.importing.words import UNITS, VOLTS, Role, factor_of, read_name, unit_key
+from harness.recording.columns import QUANTITIES
 
 CANDIDATES: Mapping[Role, tuple[str, ...]] = {
     "time": ("s", "ms", "us"),
@@ -41,6 +42,7 @@ class Scale:
         factor: to SI.
         gain, offset: in that unit.
         source: where unit and calibration come from, in words.
+        per: unit of the reading, if given.
     """
 
     unit: str
@@ -48,6 +50,7 @@ class Scale:
     source: str
     gain: float = 1.0
     offset: float = 0.0
+    per: str = ""
 
     def applied(self, values: FloatArray) -> FloatArray:
         """The quantity in SI units."""
@@ -57,7 +60,8 @@ class Scale:
         if self.gain == 1.0 and self.offset == 0.0:
             return self.unit
         shift = f" {'+' if self.offset > 0 else '-'} {abs(self.offset):g} {self.unit}" if self.offset else ""
-        return f"{self.gain:g} {self.unit} per unit read{shift}"
+        per = f"/{self.per}" if self.per else " per unit read"
+        return f"{self.gain:g} {self.unit}{per}{shift}"
 
 
 def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
@@ -77,7 +81,7 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
                     f"{path}: --{role} '{chosen.text}': the calibration is per {chosen.per}, and '{found.name}' is in "
                     f"{unit}. Write it per {unit}."
                 )
-        return Scale(chosen.unit, chosen.factor, f"--{role}", chosen.gain, chosen.offset)
+        return Scale(chosen.unit, chosen.factor, f"--{role}", chosen.gain, chosen.offset, chosen.per)
     factor = factor_of(role, unit) if unit else None
     if factor is not None:
         return Scale(unit, factor, source)
@@ -86,11 +90,13 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
         return None
     what = f"is in {unit}" if unit else "is an input of an oscilloscope, in V"
     si = CANDIDATES[role][0]
+    per = unit or "V"
+    example = f"--{role} '{found.name}:0.125 {si}/{per}+0.01'"
     raise Ambiguity(
         f"{path}: '{found.name}' {what}, which is no unit of the {role}.",
         (),
-        f"Give its unit, or its calibration with gain and offset: --{role} '{found.name}:0.125 {si}/{unit or 'V'}+0.01' "
-        f"stands for 0.125 {si} per {unit or 'V'}, and 0.01 {si} added. Known units: {', '.join(dict.fromkeys(UNITS[role]))}.",
+        f"Give its unit ({', '.join(QUANTITIES[role].units)} …), or its calibration with gain and offset: {example} "
+        f"stands for 0.125 {si} per {per}, and 0.01 {si} added.",
     )
 
 
@@ -130,11 +136,13 @@ def resolve(
     fitting = [one for one in combinations if not with_physics or evidence.plausible(_slope_factor(one))]
     if len(fitting) == 1:
         fit = fitting[0]
-        reason = "no unit written; the only one of " + " and ".join(f"{'/'.join(CANDIDATES[role])}" for role in unknown)
-        reason += " that fits the size of the readings"
+        fits = "the size of the readings"
         if with_physics:
-            reason += f" and the ball's acceleration, {evidence.slope * _slope_factor(fit):+.2g} g α"
-        return made | {role: Scale(unit, UNITS[role][unit], reason) for role, unit in fit.items()}
+            fits += f" and the ball's acceleration, {evidence.slope * _slope_factor(fit):+.2g} g α"
+        return made | {
+            role: Scale(unit, UNITS[role][unit], f"not written; of {', '.join(CANDIDATES[role])} it alone fits {fits}")
+            for role, unit in fit.items()
+        }
     role = next((one for one in unknown if len({fit[one] for fit in fitting}) != 1), unknown[0])
     left = list(dict.fromkeys(fit[role] for fit in fitting)) or list(CANDIDATES[role])
     name = names[role]
