@@ -43,7 +43,8 @@ def read_matlab(path: Path) -> SourceFile:
     advice = (
         f"{', '.join(objects)}: a MATLAB object, whose data are stored in a form that only MATLAB reads. For a "
         "timeseries x, save plain arrays there: t = x.Time; y = x.Data; save('plain.mat','t','y'). For "
-        "logged Simulink signals: x = out.logsout.get('NAME').Values. Or let To Workspace blocks save 'Structure With Time'"
+        "logged Simulink signals: x = out.logsout.get('NAME').Values. Or let To Workspace blocks save 'Structure With "
+        "Time'"
     )
     if not groups:
         raise InputError(f"{path}: {advice}." if objects else f"{path}: a MAT-file without numeric signals in it.")

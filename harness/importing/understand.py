@@ -55,7 +55,8 @@ class Understood:
         sign: what the data say of the signs, in words; sign_checked: whether they say anything.
         rate: what the stamps say, in words.
         notes: what was assumed, left out or changed.
-        angle_resolution: of α [rad]; position_resolution [m]; `None` where the readings show none.
+        angle_resolution: step of α [rad]; position_resolution [m]; `None` where the readings show none, or where the
+            angle was interpolated.
         linkage: if the angle was computed by one.
         flipped: quantities that were negated.
     """
@@ -97,6 +98,7 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     scales = _scales(path, times, position_times, angle_at, position_at, linkage, options)
     rows, time, angle = _column(path, times, scales["time"], angle_at, scales["angle"], notes)
     read_angle = angle
+    interpolated = False
     if linkage is not None:
         turned = linkage.radius / linkage.length * np.sin(angle + linkage.offset)
         angle = np.arcsin(turned)
@@ -108,8 +110,15 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     else:
         of_position = Scale(position_times.unit, position_times.factor or scales["time"].factor, "")
         _, stamps, position = _column(path, position_times, of_position, position_at, scales["position"], notes)
-        time, angle, position, done = on_common_rows(time, angle, stamps, position)
-        notes.append(done)
+        try:
+            time, angle, position, done = on_common_rows(time, angle, stamps, position)
+        except ValueError:
+            raise InputError(
+                f"{path}: '{angle_at.name}' holds fewer than two angles. Record the beam's angle."
+            ) from None
+        if done:
+            notes.append(done)
+            interpolated = True
     if len(time) < MIN_SAMPLES:
         raise InputError(f"{path}: only {len(time)} rows with a time; at least {MIN_SAMPLES} are needed.")
     flipped: list[Role] = []
@@ -134,7 +143,7 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
         checked,
         _rate(time, times),
         tuple(dict.fromkeys(notes)),
-        None if steps[0] is None else steps[0] * gear,
+        None if steps[0] is None or interpolated else steps[0] * gear,
         steps[1],
         linkage,
         tuple(flipped),

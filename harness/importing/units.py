@@ -136,11 +136,13 @@ def resolve(
     fitting = [one for one in combinations if not with_physics or evidence.plausible(_slope_factor(one))]
     if len(fitting) == 1:
         fit = fitting[0]
-        fits = "the size of the readings"
+        fits = "size"
         if with_physics:
-            fits += f" and the ball's acceleration, {evidence.slope * _slope_factor(fit):+.2g} g α"
+            fits += f" and acceleration, {evidence.slope * _slope_factor(fit):+.2g} g α"
         return made | {
-            role: Scale(unit, UNITS[role][unit], f"not written; of {', '.join(CANDIDATES[role])} it alone fits {fits}")
+            role: Scale(
+                unit, UNITS[role][unit], f"not written; of {', '.join(CANDIDATES[role])} it alone fits in {fits}"
+            )
             for role, unit in fit.items()
         }
     role = next((one for one in unknown if len({fit[one] for fit in fitting}) != 1), unknown[0])

@@ -152,6 +152,8 @@ def _kind_of(words: list[str]) -> Kind | None:
 def _split_unit(name: str) -> tuple[str, str]:
     """The name without its unit, and the unit."""
     bracketed = re.fullmatch(r"(.*\S)\s*[\[(<{]\s*([^\])>}]*?)\s*[\])>}]\s*", name)
+    if bracketed and bracketed[2].isdigit():  # an index, as in `position[0]`
+        return bracketed[1], ""
     if bracketed:
         return bracketed[1], bracketed[2]
     worded = re.fullmatch(r"(.*\S)\s*(?:\s/|/\s|\sin\s|,\s)\s*(\S+)\s*", name)
