@@ -13,7 +13,7 @@ from harness.errors import InputError
 from harness.importing.cells import is_missing, is_number, is_stamp, numbers, seconds
 from harness.importing.signals import Group, Signal, unique_names
 from harness.importing.words import is_unit
-from harness.recording.findings import place
+from harness.recording.findings import place, rows_text
 
 MOST_COLUMNS = 1000
 FEWEST_ROWS = 3  # below each other, to be taken for data
@@ -56,7 +56,8 @@ def data_begins(rows: Rows) -> int | None:
     """Index of the first of at least three rows of data of the same width; `None` if there are none."""
     run = 0
     for index, (_, cells) in enumerate(rows):
-        same = run and len(_trimmed(cells)) == len(_trimmed(rows[index - 1][1]))
+        before = rows[index - 1][1]
+        same = run and (len(cells) == len(before) or len(_trimmed(cells)) == len(_trimmed(before)))
         run = (run + 1 if same or not run else 1) if is_data(cells) else 0
         if run == FEWEST_ROWS:
             return index - FEWEST_ROWS + 1
@@ -75,14 +76,16 @@ def divide(path: Path, rows: Rows) -> Sheet:
             f"{path}: no table of numbers in it (at least {FEWEST_ROWS} rows of at least one column below each other). "
             "Export the recording with one row per reading."
         )
-    width = max(len(_trimmed(cells)) for _, cells in rows[begin : begin + FEWEST_ROWS])
+    first = [cells for _, cells in rows[begin : begin + FEWEST_ROWS]]
+    width = max(len(_trimmed(cells)) for cells in first)
+    most = max(len(cells) for cells in first)
     head = begin
     names: list[str] = []
     units: list[str] = []
     # Names and units may stand in either order.
     while head > 0 and begin - head < 2 and not (names and units):
         cells = _trimmed(rows[head - 1][1])
-        if not 0 < len(cells) <= width + 1 or (len(cells) < width and len(cells) < 2) or is_data(cells):
+        if not 0 < len(cells) <= max(width + 1, most) or (len(cells) < width and len(cells) < 2) or is_data(cells):
             break
         if not units and _is_units(cells):
             units = cells
@@ -91,10 +94,13 @@ def divide(path: Path, rows: Rows) -> Sheet:
         else:
             break
         head -= 1
-    width = max(width, min(len(names), width + 1)) if names else width
+    width = max(width, min(len(names), most))
     if width > MOST_COLUMNS:
         raise InputError(f"{place(path, rows[begin][0])}: {width} columns; at most {MOST_COLUMNS} are read.")
     body, notes = _body(path, rows[begin:], width)
+    above = [row for row, cells in rows[:head] if is_data(cells) and len(_trimmed(cells)) > 1]
+    if above:
+        notes = (*notes, f"{rows_text(above)} above the table left out, though it looks like data")
     filled = (*names, *[""] * width)[:width]
     return Sheet(
         tuple(cells for _, cells in rows[:head]),

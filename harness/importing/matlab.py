@@ -35,7 +35,9 @@ def read_matlab(path: Path) -> SourceFile:
         head = stream.read(1024)
     version = "7.3" if HDF5 in head else "5"
     tree = read_tree_73(path) if version == "7.3" else read_tree_5(path)
-    objects = [f"{name} ({one.kind})" for name, one in _opaque("", tree)]
+    unread = list(_opaque("", tree))
+    objects = [f"{name} ({one.kind})" for name, one in unread if one.of_class]
+    others = [f"{name} ({one.kind})" for name, one in unread if not one.of_class]
     groups, kinds = [], []
     for group, kind in _groups("", tree):
         groups.append(group)
@@ -54,7 +56,10 @@ def read_matlab(path: Path) -> SourceFile:
         sha256_of(path),
         f"MAT-file, version {version}: {words}",
         _top_level_joined(groups),
-        (f"left out: {advice}",) if objects else (),
+        (
+            *((f"left out: {advice}",) if objects else ()),
+            *((f"left out: {', '.join(others)}",) if others else ()),
+        ),
     )
 
 

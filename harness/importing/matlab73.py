@@ -46,7 +46,7 @@ def _node(file: Any, item: Any, depth: int) -> Any:
         return Opaque("nested too deeply")
     kind = _text(item.attrs.get("MATLAB_class", b""))
     if "MATLAB_object_decode" in item.attrs:
-        return Opaque(kind or "object")
+        return Opaque(kind or "object", of_class=True)
     if isinstance(item, h5py.Group):
         return _struct({name: _node(file, item[name], depth + 1) for name in item}, item)
     if "MATLAB_empty" in item.attrs:
@@ -58,7 +58,7 @@ def _node(file: Any, item: Any, depth: int) -> Any:
         return "".join(map(chr, np.ravel(item[()]))).strip("\0 ")
     if kind in _NUMERIC or (not kind and item.dtype.kind in "biuf"):
         return np.asarray(item[()]).T
-    return Opaque(kind or "object")
+    return Opaque(kind or "an array of another type")
 
 
 def _struct(fields: dict[str, Any], item: Any) -> Any:

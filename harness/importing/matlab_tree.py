@@ -7,6 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Opaque:
-    """A MATLAB object whose data only MATLAB reads; `kind` is its class, such as `timeseries`."""
+    """What is no array of real numbers.
+
+    Attributes:
+        kind: what it is; the class of an object, such as `timeseries`.
+        of_class: whether it is an object, whose data only MATLAB reads.
+    """
 
     kind: str
+    of_class: bool = False

@@ -127,7 +127,7 @@ def is_unit(text: str) -> bool:
     return any(key in units for units in UNITS.values()) or key in VOLTS or key in _OTHER_UNITS
 
 
-_OTHER_UNITS = _set("a ma hz m_s mm_s cm_s rad_s deg_s m_s2 n nm w pct percent counts count bit lsb 1")
+_OTHER_UNITS = _set("a ma hz m_s mm_s cm_s rad_s deg_s m_s2 n nm w pct percent counts count bit lsb")
 
 
 def read_name(name: str) -> Reading:
