@@ -38,11 +38,13 @@ class Imported(Summarised):
         folder: of the case.
         recordings: how each was understood, by the name of its file in the case.
         case: as it was loaded from the folder.
+        answers: what was asked and answered, as options of the command.
     """
 
     folder: Path
     recordings: Mapping[str, Understood]
     case: Case
+    answers: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
         """Columns, evidence, what to do next."""
@@ -60,6 +62,8 @@ class Imported(Summarised):
             lines += [f"{name}: negated: {' and '.join(one.flipped)}"] if one.flipped else []
             lines += [f"{name}: note: {note}" for note in one.notes]
         lines += [str(one) for one in warnings_of(self.case.findings)]
+        if self.answers:
+            lines.append(f"to import it again without questions, add: {' '.join(self.answers)}")
         unknown = [f"[{table}] {key}" for table, key in self._unknown()]
         if unknown:
             lines.append(f"not known, write it into {self.folder / RIG_FILE} if you know it: {', '.join(unknown)}")
@@ -108,11 +112,13 @@ def import_recording(
         out: folder to write the case into; by default the name of the first file with `_case`.
         into: an existing case to which the recordings are added instead.
         join: whether the files hold the signals of one recording, such as one channel each.
-        time, angle, position: columns as `COLUMN`, `COLUMN:UNIT` or `COLUMN:GAIN UNIT/READING+OFFSET`, where the files
-            do not say it; `none` for a recording without positions.
+        time: column of the time as `COLUMN` or `COLUMN:UNIT`, where the files do not say it.
+        angle: column of the beam's angle, likewise, or as `COLUMN:GAIN UNIT/READING+OFFSET`.
+        position: column of the ball's position, likewise; `none` for a recording without positions.
         rate: sampling rate [Hz], where the file has no times.
         linkage: `r=0.025,L=0.4` [m] where the angle is that of a crank; the beam's is asin(r sin(θ + offset) / L).
-        flip_angle, flip_position: whether to negate it, so that a positive angle accelerates the ball towards +s.
+        flip_angle: whether to negate the angle, so that a positive one accelerates the ball towards +s.
+        flip_position: whether to negate the position, to the same end.
         keep_signs: whether signs stay that the data contradict.
         rig: known quantities as `{"ball.mass_kg": 0.064}`; keys as in `rig.toml`.
         origin: free text on the data; begin it with `simulated` where they are.
@@ -137,27 +143,38 @@ def import_recording(
     )  # fmt: skip
     sources = [read_file(path) for path in paths]
     understood = []
+    answers: list[str] = []
     for group in [tuple(sources)] if join else [(one,) for one in sources]:
-        one, options = _understand(group, options, ask)
+        one, options = _understand(group, options, ask, answers)
         understood.append(one)
+    command = " ".join((command, *answers))
     if into is not None:
         folder = Path(into)
-        recordings = _add(folder, understood, paths)
+        recordings = _add(folder, understood, paths, command=command)
     else:
         folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
         recordings = _write(folder, understood, paths, quantities, origin=origin, command=command, force=force)
-    return Imported(folder, recordings, load_case(folder))
+    return Imported(folder, recordings, load_case(folder), tuple(answers))
 
 
-def _understand(group: tuple[SourceFile, ...], options: Options, ask: Ask | None) -> tuple[Understood, Options]:
-    """The recording, and the options with what was asked, which also hold for the next one."""
+def _understand(
+    group: tuple[SourceFile, ...], options: Options, ask: Ask | None, answers: list[str]
+) -> tuple[Understood, Options]:
+    """The recording, and the options with what was asked, which also hold for the next one.
+
+    Args:
+        answers: filled with what was asked and answered, as options of the command.
+    """
     while True:
         try:
             return understand(group, options), options
         except Ambiguity as ambiguity:
             if ask is None:
                 raise
-            options = replace(options, **ask(ambiguity).options)
+            answer = ask(ambiguity)
+            options = replace(options, **answer.options)
+            option = answer.typed.split()[0]
+            answers[:] = [one for one in answers if one.split()[0] != option] + [answer.typed]
 
 
 def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:
@@ -193,7 +210,9 @@ def _write(
     return recordings
 
 
-def _add(folder: Path, understood: Sequence[Understood], inputs: Sequence[Path]) -> dict[str, Understood]:
+def _add(
+    folder: Path, understood: Sequence[Understood], inputs: Sequence[Path], *, command: str
+) -> dict[str, Understood]:
     """Add recordings to an existing case; its own files stay, but for the list in its `rig.toml`."""
     file = folder / RIG_FILE
     if not folder.is_dir() or not file.is_file():
@@ -214,7 +233,7 @@ def _add(folder: Path, understood: Sequence[Understood], inputs: Sequence[Path])
         hashes = dict(written(folder / FILE))
         hashes.pop(FILE, None)
         entries = [*before, *(recording_record(name, one) for name, one in recordings.items())]
-        _put(scratch / FILE, _record(entries, hashes | hashes_of(scratch), "--into"))
+        _put(scratch / FILE, _record(entries, hashes | hashes_of(scratch), command))
     return recordings
 
 

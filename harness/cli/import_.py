@@ -96,9 +96,15 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
 
 def _ask(ambiguity: Ambiguity) -> Choice:
     """The user's answer on the terminal."""
-    if not ambiguity.choices:
+    from harness.importing import Choice
+
+    if not ambiguity.choices and not ambiguity.role:
         raise ambiguity
     click.echo(printable(ambiguity.question), err=True)
+    if not ambiguity.choices:
+        click.echo(printable(ambiguity.advice), err=True)
+        text = click.prompt(f"--{ambiguity.role}", err=True)
+        return Choice({ambiguity.role: text}, f"--{ambiguity.role} {shlex.quote(text)}", "typed")
     for number, one in enumerate(ambiguity.choices, start=1):
         click.echo(f"  {number}: {printable(one.typed)}  ({printable(one.text)})", err=True)
     if ambiguity.advice:

@@ -115,9 +115,12 @@ class Ambiguity(InputError):
     Attributes:
         question: what is to be decided.
         choices: possible answers; none where the user has to write one.
+        advice: what else can be given.
+        role: quantity whose option is to be written where there are no choices; empty if it is not that simple.
     """
 
-    def __init__(self, question: str, choices: tuple[Choice, ...], advice: str = "") -> None:
+    def __init__(self, question: str, choices: tuple[Choice, ...], advice: str = "", role: str = "") -> None:
+        self.role = role
         self.question = question
         self.choices = choices
         self.advice = advice
@@ -128,7 +131,7 @@ class Ambiguity(InputError):
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Its own arguments."""
-        return type(self), (self.question, self.choices, self.advice)
+        return type(self), (self.question, self.choices, self.advice, self.role)
 
 
 def parse_chosen(role: Role, text: str, names: tuple[str, ...]) -> Chosen:

@@ -11,7 +11,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.signals import Group, Signal
-from harness.importing.words import Kind, Role, read_name
+from harness.importing.words import VOLTS, Kind, Role, is_input, read_name, unit_key
 from harness.recording.findings import quoted
 
 MOST_CHOICES = 12
@@ -39,8 +39,13 @@ class Found:
         return self.group.qualified(self.signal)
 
 
-def find(path: Path, role: Role, groups: Sequence[Group], options: Options) -> Found | None:
+def find(
+    path: Path, role: Role, groups: Sequence[Group], options: Options, *, taken: Signal | None = None
+) -> Found | None:
     """The signal of the angle or the position; `None` if the user says that there is none.
+
+    Args:
+        taken: a signal that is another quantity already, which is not offered.
 
     Raises:
         Ambiguity: several may be it, or none says so by its name.
@@ -55,7 +60,7 @@ def find(path: Path, role: Role, groups: Sequence[Group], options: Options) -> F
         chosen = parse_chosen(role, text, names)
         group, signal = named(path, chosen.column, groups, option=f"--{role}")
         return Found(group, signal, chosen, f"--{role}")
-    kinds = [(group, signal, _kind(group, signal)) for group, signal in every]
+    kinds = [(group, signal, _kind(group, signal)) for group, signal in every if signal is not taken]
     matches = [(group, signal) for group, signal, kind in kinds if kind == role]
     if len(matches) == 1:
         return Found(*matches[0], None, "its name")
@@ -72,7 +77,11 @@ def find(path: Path, role: Role, groups: Sequence[Group], options: Options) -> F
     if not left:
         raise InputError(f"{question} None of them changes, so that none can be it. Record the {role}.")
     advice = "Where the recording has no positions, give --position none." if role == "position" else ""
-    raise Ambiguity(question, _choices(role, left), advice)
+    volts = next((signal for _, signal in left if is_input(signal.name) or unit_key(signal.unit) in VOLTS), None)
+    if volts is not None:
+        unit = "deg" if role == "angle" else "cm"
+        advice += f" What is in V needs a calibration too: --{role} '{volts.name}:2.5 {unit}/V+0.1'."
+    raise Ambiguity(question, _choices(role, left), advice.strip())
 
 
 _WORDS = {"time": "time", "angle": "beam's angle", "position": "ball's position"}

@@ -88,7 +88,7 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     linkage = None if options.linkage is None else parse_linkage(options.linkage)
     angle_at = find(path, "angle", groups, options)
     assert angle_at is not None  # only a position may be missing
-    position_at = find(path, "position", groups, options)
+    position_at = find(path, "position", groups, options, taken=angle_at.signal)
     if position_at is not None and position_at.signal is angle_at.signal:
         raise InputError(f"{path}: '{angle_at.name}' is given as angle and as position. Choose two columns.")
     notes = [note for one in sources for note in one.notes]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from harness.errors import InputError
 from harness.importing.choices import Ambiguity, Choice
 from harness.importing.columns import Found
 from harness.importing.physics import Evidence
-from harness.importing.words import UNITS, VOLTS, Role, factor_of, read_name, unit_key
+from harness.importing.words import UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.columns import QUANTITIES
 
 CANDIDATES: Mapping[Role, tuple[str, ...]] = {
@@ -85,8 +84,7 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
     factor = factor_of(role, unit) if unit else None
     if factor is not None:
         return Scale(unit, factor, source)
-    channel = re.fullmatch(r"(CH|C|Channel )\s?[1-8A-D]", signal.name, re.IGNORECASE)
-    if not unit and not channel:
+    if not unit and not is_input(signal.name):
         return None
     what = f"is in {unit}" if unit else "is an input of an oscilloscope, in V"
     si = CANDIDATES[role][0]
@@ -97,6 +95,7 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
         (),
         f"Give its unit ({', '.join(QUANTITIES[role].units)} …), or its calibration with gain and offset: {example} "
         f"stands for 0.125 {si} per {per}, and 0.01 {si} added.",
+        role,
     )
 
 

@@ -130,6 +130,11 @@ def is_unit(text: str) -> bool:
 _OTHER_UNITS = _set("a ma hz m_s mm_s cm_s rad_s deg_s m_s2 n nm w pct percent counts count bit lsb")
 
 
+def is_input(name: str) -> bool:
+    """Whether a name is that of an oscilloscope's input, such as `CH1` or `Channel A`."""
+    return bool(re.fullmatch(r"(CH|C|Channel )\s?[1-8A-D]", name, re.IGNORECASE))
+
+
 def read_name(name: str) -> Reading:
     """Quantity and unit of a column's name, such as `Angle (deg)`, `Weg in cm`, `theta_deg`, `ball.x [mm]`."""
     bare, unit = _split_unit(name)
