@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,10 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from rosbags.rosbag2 import StoragePlugin
 
 from harness.cli.main import main
 from harness.recording import load_case
 from tests.importing import made
+from tests.importing.test_ros import write_ros2
 
 
 def call(*words: object) -> Result:
@@ -45,6 +49,32 @@ def test_a_file_becomes_a_case(tmp_path: Path, name: str) -> None:
     assert f"next: harness diagnose {tmp_path / 'case'}" in done.stdout
     assert "sign right" in done.stdout
     assert not [each for each in load_case(tmp_path / "case").findings if each.severity == "warning"]
+
+
+def documented() -> list[list[str]]:
+    """The commands of docs/import.md, as words behind `harness import`."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "import.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```sh\n(.*?)```", page, re.DOTALL)
+    lines = [line for block in blocks for line in block.splitlines() if line.startswith("harness import")]
+    return [shlex.split(line, comments=True)[2:] for line in lines]
+
+
+@pytest.mark.parametrize("words", documented(), ids=lambda words: words[0])
+def test_the_documented_commands_work(tmp_path: Path, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run every example of the page as it stands there, and get the simulated recording."""
+    monkeypatch.chdir(tmp_path)
+    for word in words:
+        if word in made.FILES:
+            made.FILES[word][0](tmp_path / word)
+        elif word.endswith(".CSV"):
+            made.tektronix_channel(tmp_path / word, int(word[-5]))
+        elif word == "bag/":
+            write_ros2(tmp_path / "bag", StoragePlugin.SQLITE3)
+    done = call(*words, "--out", "case")
+    assert done.exit_code == 0, done.stderr
+    (one,) = load_case("case").recordings.values()
+    if words[0] != "bag/":
+        np.testing.assert_allclose(one.position, made.truth()[2], atol=6.3e-6)  # as above
 
 
 def test_channels_in_files_of_their_own_are_joined(tmp_path: Path) -> None:
