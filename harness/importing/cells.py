@@ -15,6 +15,7 @@ _NUMBER = re.compile(r"[+\-−]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][+-]?\d+)?", re.AS
 _STAMP = re.compile(
     r"(\d{4}-\d{1,2}-\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{2,4})?[T ]?\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?(Z|[+-]\d{2}:?\d{2})?"
 )
+_DATE = re.compile(r"\d{4}-\d{1,2}-\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2}")
 
 
 def is_number(cell: str) -> bool:
@@ -25,6 +26,11 @@ def is_number(cell: str) -> bool:
 def is_stamp(cell: str) -> bool:
     """Whether a cell is a date with a time, or a clock time."""
     return ":" in cell and bool(_STAMP.fullmatch(cell))
+
+
+def is_date(cell: str) -> bool:
+    """Whether a cell is a date without a time, which loggers write in a column of its own."""
+    return bool(_DATE.fullmatch(cell))
 
 
 def is_missing(cell: str) -> bool:

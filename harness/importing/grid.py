@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError
-from harness.importing.cells import is_missing, is_number, is_stamp, numbers, seconds
+from harness.importing.cells import is_date, is_missing, is_number, is_stamp, numbers, seconds
 from harness.importing.signals import Group, Signal, unique_names
 from harness.importing.words import is_unit
 from harness.recording.findings import place, rows_text
@@ -48,8 +48,8 @@ class Sheet:
 def is_data(cells: Sequence[str]) -> bool:
     """Whether a row looks like data: numbers or times of day, more of them than of words."""
     filled = [cell for cell in cells if not is_missing(cell)]
-    values = sum(is_number(cell) or is_stamp(cell) for cell in filled)
-    return bool(filled) and values * 2 > len(filled) and (is_number(filled[0]) or is_stamp(filled[0]))
+    values = [is_number(cell) or is_stamp(cell) or is_date(cell) for cell in filled]
+    return bool(filled) and sum(values) * 2 > len(filled) and values[0]
 
 
 def data_begins(rows: Rows) -> int | None:
@@ -114,6 +114,7 @@ def divide(path: Path, rows: Rows) -> Sheet:
 
 def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tuple[str, ...]]:
     """The columns of numbers, and notes on those of words."""
+    _refuse_mixed_marks(path, sheet)
     signals: list[Signal] = []
     left_out: list[str] = []
     for column, (title, unit) in enumerate(zip(sheet.names, sheet.units, strict=True)):
@@ -144,6 +145,23 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
     if not signals:
         raise InputError(f"{path}: none of its columns holds numbers. Export the recording as numbers.")
     return Group(name, tuple(signals), sheet.rows), notes
+
+
+def _refuse_mixed_marks(path: Path, sheet: Sheet) -> None:
+    """Refuse a comma and a point as decimal marks in one table: one of them may part thousands."""
+    first: dict[str, tuple[int, int, str]] = {}
+    for row, cells in zip(sheet.rows, sheet.cells, strict=True):
+        for column, cell in enumerate(cells):
+            mark = "," if "," in cell else "." if "." in cell else ""
+            if mark and mark not in first and is_number(cell):
+                first[mark] = int(row), column, cell
+        if len(first) == 2:
+            row, column, cell = first[","]
+            other, _, point = first["."]
+            raise InputError(
+                f"{place(path, row, sheet.names[column])}: '{cell}' has a comma, but '{point}' in row {other} has a "
+                "point. Use one decimal mark and no thousands separators."
+            )
 
 
 def _body(path: Path, rows: Rows, width: int) -> tuple[list[tuple[int, list[str]]], tuple[str, ...]]:

@@ -94,6 +94,15 @@ def test_dates_and_clock_times(tmp_path: Path, stamp: str) -> None:
     assert group.signals[0].unit == "s"
 
 
+def test_a_date_in_a_column_of_its_own(tmp_path: Path) -> None:
+    """Take the time of day from the second column, and leave the date out."""
+    file = tmp_path / "a.csv"
+    file.write_text("Datum;Zeit;x\n" + "".join(f"01.05.2024;12:00:0{at},5;{at}\n" for at in range(8)))
+    (group,) = read_file(file).groups
+    assert [one.name for one in group.signals] == ["Zeit", "x"]
+    np.testing.assert_allclose(group.signals[0].values, np.arange(8.0), atol=1e-9)
+
+
 def test_blank_cells_and_overflows_are_not_known(tmp_path: Path) -> None:
     """Take blanks, nan and the huge numbers of instruments for values that are not known."""
     file = tmp_path / "a.csv"
@@ -127,6 +136,10 @@ def test_a_column_of_words_is_left_out_and_said(tmp_path: Path) -> None:
         ("hello\n", "no table of numbers"),
         (text_of(",") + "a,b,c\n" + text_of(","), "row 10: 'a b c' stands among the numbers"),
         (text_of(",") + "0.8,4.0,E7x\n" + "0.9,4.5,1\n", "row 10, column 'x': 'E7x' is not a number"),
+        (
+            text_of(";") + '0.9;"1,004";3\n',
+            "row 10, column 'angle': '1,004' has a comma, but '0.00' in row 2 has a point",
+        ),
         (text_of(",") + "1,2,3,4,5\n", "row 10: 5 cells where the rows above have 3"),
     ],
 )
