@@ -123,7 +123,7 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
             continue
         values = numbers(cells)
         if values is not None:
-            signals.append(Signal(title, values, unit, "units row" if unit else ""))
+            signals.append(Signal(title, values, unit, "the file" if unit else ""))
             continue
         times = seconds(cells)
         if times is not None:
@@ -166,11 +166,11 @@ def _refuse_mixed_marks(path: Path, sheet: Sheet) -> None:
 
 def _body(path: Path, rows: Rows, width: int) -> tuple[list[tuple[int, list[str]]], tuple[str, ...]]:
     body: list[tuple[int, list[str]]] = []
+    last = next(index for index in range(len(rows) - 1, -1, -1) if is_data(rows[index][1]))
     for index, (row, cells) in enumerate(rows):
         trimmed = _trimmed(cells)
-        rest = rows[index:]
-        if not is_data(trimmed) and not any(is_data(one) for _, one in rest):
-            return body, (f"rows {row} to {rest[-1][0]} below the numbers left out",) if body else ()
+        if index > last:
+            return body, (f"rows {row} to {rows[-1][0]} below the numbers left out",)
         if len(trimmed) > width:
             raise InputError(
                 f"{place(path, row)}: {len(trimmed)} cells where the rows above have {width}. Save each table in a "

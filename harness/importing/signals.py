@@ -20,7 +20,7 @@ class Signal:
         name: as the file has it; of its own within a group.
         values: NaN where a cell is blank, shape (n,), in the file's unit.
         unit: as written; empty if the file has none.
-        unit_from: where the unit is written, such as `units row`; empty if it is in the name or nowhere.
+        unit_from: where the unit is written, such as `Y_Unit_Label`; empty if it is in the name or nowhere.
     """
 
     name: str

@@ -13,6 +13,7 @@ from harness.importing import labview
 from harness.importing.grid import Rows, Sheet, data_begins, divide, group_of_sheet, is_data
 from harness.importing.oscilloscope import Preamble, instrument, preamble_of, without_side_preamble
 from harness.importing.signals import Group, Signal, SourceFile
+from harness.importing.words import read_name
 from harness.recording.source import read_source
 
 BLANKS = " "
@@ -102,8 +103,9 @@ def _named(sheet: Sheet, preamble: Preamble) -> Sheet:
     if len(names) == 2 and names[1].startswith("column") and preamble.text("source"):
         # One channel a file, whose columns have no names.
         names[1], units[1] = preamble.text("source"), units[1] or preamble.text("vertical units")
-        if preamble.text("horizontal units").casefold() in ("s", "second"):
-            names[0], units[0] = "time", "s"
+        names[0] = "time"
+    if read_name(names[0]).kind == "time" and preamble.text("horizontal units").casefold() in ("s", "second"):
+        units[0] = units[0] or "s"
     # Keysight numbers its channels: `x-axis,1,2`.
     if names[0] == "time":
         names = [f"CH{name}" if re.fullmatch(r"[1-8]", name) else name for name in names]

@@ -217,7 +217,12 @@ def _sign(path: Path, evidence: Evidence, options: Options) -> tuple[str, bool]:
         Ambiguity: the ball accelerates against the angle, and the user has not said to keep the signs.
     """
     if not evidence.conclusive:
-        return f"not checked: {evidence}; a positive angle must accelerate the ball towards +s", False
+        seen = (
+            f"the ball does not follow the angle clearly (correlation {evidence.response.correlation:.2f})"
+            if evidence.response
+            else "the data are too few, or one signal is constant"
+        )
+        return f"not checked, as {seen}; a positive angle must accelerate the ball towards +s", False
     if evidence.slope > 0.0:
         return f"right: {evidence}; a positive angle accelerates the ball towards +s", True
     if options.keep_signs:

@@ -24,7 +24,7 @@ CANDIDATES: Mapping[Role, tuple[str, ...]] = {
 }
 """Units that a signal without one may have."""
 # Sizes in SI units that a recording of a ball on a beam may have. A crank turns further than a beam.
-STEP = (1e-4, 0.5)  # median time between samples [s]
+STEP = (1e-6, 0.5)  # median time between samples [s]
 DURATION = (0.5, 4.0 * 3600.0)  # [s]
 SWING = (np.radians(0.3), np.radians(90.0))  # range of the beam's angle [rad]
 LARGEST_ANGLE = np.radians(45.0)  # of a beam [rad]

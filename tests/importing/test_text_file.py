@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,16 @@ def test_blank_cells_and_overflows_are_not_known(tmp_path: Path) -> None:
     file.write_text("t,x\n0,1\n1,\n2,nan\n3,9.9E+37\n4,-\n5,6\n")
     (group,) = read_file(file).groups
     np.testing.assert_array_equal(np.isnan(group.signals[1].values), [False, True, True, True, True, False])
+
+
+def test_time_grows_with_the_rows_only(tmp_path: Path) -> None:
+    """Read 40 000 rows in seconds: linear growth takes 0.7 s here, copying the rest at each row took 12 s."""
+    file = tmp_path / "a.csv"
+    file.write_text("t,x\n" + "".join(f"{at},{at % 7}\n" for at in range(40_000)))
+    begin = time.process_time()
+    (group,) = read_file(file).groups
+    assert time.process_time() - begin < 6.0
+    assert len(group.rows) == 40_000
 
 
 def test_what_stands_below_is_left_out_and_said(tmp_path: Path) -> None:
