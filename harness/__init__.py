@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from harness.api.case import Case, load_case
     from harness.api.comparison import Comparison, compare
     from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.importing import Imported, import_recording
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
     from harness.api.scene import SceneCheck, check_scene
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 _NAMES = {  # in the order of docs/api.md
     "harness.api.case": ("load_case", "Case"),
+    "harness.api.importing": ("import_recording", "Imported"),
     "harness.api.comparison": ("compare", "Comparison"),
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
@@ -50,6 +52,7 @@ __all__ = [
     "EngineFailure",
     "Force",
     "HarnessError",
+    "Imported",
     "InputError",
     "LoadedDiagnosis",
     "Parameter",
@@ -60,6 +63,7 @@ __all__ = [
     "check_scene",
     "compare",
     "diagnose",
+    "import_recording",
     "load_case",
     "load_diagnosis",
     "replay",

@@ -140,7 +140,7 @@ def find_columns(
 
 
 def _match(quantity: Quantity, header: str, index: int) -> Column | None:
-    words = _words(header)
+    words = words_of(header)
     names = (quantity.name.replace("_", ""), *quantity.others)
     for taken in (2, 1, 0):
         name, unit = "".join(words[: len(words) - taken]), "_".join(words[len(words) - taken :])
@@ -151,7 +151,8 @@ def _match(quantity: Quantity, header: str, index: int) -> Column | None:
     return None
 
 
-def _words(header: str) -> list[str]:
+def words_of(header: str) -> list[str]:
+    """Words of a column's name in lower case, without brackets; `°` is `deg`, `µ` is `u`."""
     text = header.casefold()
     for sign, word in (("°", " deg "), ("µ", "u"), ("μ", "u"), ("α", "alpha")):
         text = text.replace(sign, word)
@@ -178,7 +179,7 @@ def _refuse_near_miss(where: str, candidate: str, name: QuantityName) -> None:
     """Refuses a header that resembles `name`: an optional column must not be dropped because of a typing error."""
     quantity = QUANTITIES[name]
     names = (quantity.name.replace("_", ""), *(quantity.others if name != "velocity" else ()))
-    words = _words(candidate)
+    words = words_of(candidate)
     for cut in range(1, len(words)):
         if "".join(words[:cut]) in names:
             raise InputError(

@@ -106,14 +106,14 @@ def implausible(signals: Signals) -> list[Implausible]:
 
 
 def _against_physics(signals: Signals) -> Iterator[Implausible]:
-    run = _longest_known_run(signals)
+    run = longest_known_run(signals)
     if run is None:
         return
     step, angle, position = run
     response = tilt_response(step, angle, position, gravity=signals.gravity)
     if response is None:
         return
-    if _is_conclusive(response) and _plausible(response.slope):
+    if is_conclusive(response) and plausible_slope(response.slope):
         factor = rate_error(response, signals.rig)
         if factor is not None:
             yield Implausible("rate", _rate_text(response.slope, factor))
@@ -124,7 +124,7 @@ def _against_physics(signals: Signals) -> Iterator[Implausible]:
         if (
             exchanged is not None
             and exchanged.t_value > response.t_value
-            and _is_conclusive(exchanged)
+            and is_conclusive(exchanged)
             and EXCHANGED_SLOPE[0] <= exchanged.slope <= EXCHANGED_SLOPE[1]
         ):
             yield Implausible(
@@ -134,11 +134,11 @@ def _against_physics(signals: Signals) -> Iterator[Implausible]:
                 "swap the column names.",
             )
             return
-    if not _is_conclusive(response):
+    if not is_conclusive(response):
         return
     size = abs(response.slope)
     observed = f"the ball's acceleration is {response.slope:.3g} g α, where a rolling ball has 0.4 to 0.8 g α"
-    if not _plausible(size):
+    if not plausible_slope(size):
         unknown = "units", "check the units of all columns and the gain of the sensors"
         code, cause = _unit_error(size, signals.units) or unknown
         yield Implausible(code, f"{observed}: {cause}.")
@@ -163,7 +163,7 @@ def _unit_error(size: float, units: Collection[str]) -> tuple[str, str] | None:
     possible = [
         (abs(math.log(size / factor / USUAL_SLOPE)), code, text)
         for factor, code, text in UNIT_ERRORS
-        if _plausible(size / factor) and not any(re.search(rf"\b{unit}\b", text) for unit in units)
+        if plausible_slope(size / factor) and not any(re.search(rf"\b{unit}\b", text) for unit in units)
     ]
     return min(possible)[1:] if possible else None
 
@@ -181,15 +181,17 @@ def _wrapped(signals: Signals) -> Iterator[Implausible]:
         )
 
 
-def _is_conclusive(response: TiltResponse) -> bool:
+def is_conclusive(response: TiltResponse) -> bool:
+    """Whether the acceleration follows the tilt clearly enough for any conclusion."""
     return abs(response.correlation) >= MIN_CORRELATION and response.t_value >= MIN_T_VALUE
 
 
-def _plausible(slope: float) -> bool:
+def plausible_slope(slope: float) -> bool:
+    """Whether a ball may have this acceleration over g α [1]."""
     return PLAUSIBLE_SLOPE[0] <= slope <= PLAUSIBLE_SLOPE[1]
 
 
-def _longest_known_run(signals: Signals) -> tuple[float, FloatArray, FloatArray] | None:
+def longest_known_run(signals: Signals) -> tuple[float, FloatArray, FloatArray] | None:
     """Step, angle and position on an even grid over the longest interval without a gap in time or position."""
     known = np.flatnonzero(np.isfinite(signals.position) & ~signals.outlier)
     if len(known) < 2:

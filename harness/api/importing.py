@@ -1,0 +1,283 @@
+"""Recordings of other programs and instruments become a case."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from analytic.naming import did_you_mean
+from harness.api.case import Case, load_case
+from harness.api.outputs import sealed_json
+from harness.api.writing import all_or_nothing, hashes_of, settle, written
+from harness.errors import InputError
+from harness.importing import Ambiguity, Choice, Options, SourceFile, Understood, read_file, understand
+from harness.importing.case_text import described, recording_text, rig_text, with_recordings
+from harness.provenance import versions
+from harness.recording.case import RIG_FILE
+from harness.recording.case import load_case as load_checked_case
+from harness.recording.findings import warnings_of
+from harness.recording.rig_file import KEYS
+from harness.recording.source import read_source
+from harness.report.tables import Summarised, Summary, Table, texts
+
+FILE = "import.json"
+"""How each recording of the case was understood."""
+
+Ask = Callable[[Ambiguity], Choice]
+
+
+@dataclass(frozen=True, repr=False)
+class Imported(Summarised):
+    """What was imported, and how it was understood.
+
+    Attributes:
+        folder: of the case.
+        recordings: how each was understood, by the name of its file in the case.
+        case: as it was loaded from the folder.
+        answers: what was asked and answered, as options of the command.
+    """
+
+    folder: Path
+    recordings: Mapping[str, Understood]
+    case: Case
+    answers: tuple[str, ...] = ()
+
+    def summary(self) -> Summary:
+        """Columns, evidence, what to do next."""
+        lines: list[str] = []
+        tables = []
+        for name, one in self.recordings.items():
+            sources = " and ".join(f"{source.path} ({source.kind})" for source in one.sources)
+            rows = [
+                (line.role, line.column or "(none)", line.evidence, line.unit, line.unit_from, line.range)
+                for line in one.lines
+            ]
+            heads = texts("role", "column", "because of", "unit", "because of", "in SI units")
+            tables.append(Table(f"{name} from {sources}", heads, rows))
+            lines += [f"{name}: rate {one.rate}", f"{name}: sign {one.sign}"]
+            lines += [f"{name}: negated: {' and '.join(one.flipped)}"] if one.flipped else []
+            lines += [f"{name}: note: {note}" for note in one.notes]
+        lines += [str(one) for one in warnings_of(self.case.findings)]
+        if self.answers:
+            lines.append(f"to import it again without questions, add: {' '.join(self.answers)}")
+        unknown = [f"[{table}] {key}" for table, key in self._unknown()]
+        if unknown:
+            lines.append(f"not known, write it into {self.folder / RIG_FILE} if you know it: {', '.join(unknown)}")
+        lines.append(f"next: harness diagnose {self.folder}    or: harness run {self.folder}")
+        return Summary(f"case: {self.folder} ({', '.join(self.recordings)})", lines, tables)
+
+    def _unknown(self) -> list[tuple[str, str]]:
+        rig = self.case.rig
+        places = {"mass": "ball", "inertia": "ball", "radius": "ball", "rolling_radius": "beam", "eccentricity": "beam"}
+        keys = {key.split("_kg")[0].removesuffix("_m"): key for keys in KEYS.values() for key in keys}
+        return [(table, keys[name]) for name, table in places.items() if getattr(rig, name) is None]
+
+    def record(self) -> dict[str, Any]:
+        """As JSON content."""
+        return {
+            "case": str(self.folder),
+            "recordings": [recording_record(name, one) for name, one in self.recordings.items()],
+            "findings": [asdict(one) for one in self.case.findings],
+        }
+
+
+def import_recording(
+    files: str | Path | Sequence[str | Path],
+    *,
+    out: str | Path | None = None,
+    into: str | Path | None = None,
+    join: bool = False,
+    time: str | None = None,
+    angle: str | None = None,
+    position: str | None = None,
+    rate: float | None = None,
+    linkage: str | None = None,
+    flip_angle: bool = False,
+    flip_position: bool = False,
+    keep_signs: bool = False,
+    rig: Mapping[str, float] | None = None,
+    origin: str | None = None,
+    force: bool = False,
+    ask: Ask | None = None,
+    command: str = "harness.import_recording",
+) -> Imported:
+    """Make a case of recordings as MATLAB, Simulink, LabVIEW, oscilloscopes, spreadsheets or ROS write them.
+
+    Args:
+        files: a file, or several, one recording each.
+        out: folder to write the case into; by default the name of the first file with `_case`.
+        into: an existing case to which the recordings are added instead.
+        join: whether the files hold the signals of one recording, such as one channel each.
+        time: column of the time as `COLUMN` or `COLUMN:UNIT`, where the files do not say it.
+        angle: column of the beam's angle, likewise, or as `COLUMN:GAIN UNIT/READING+OFFSET`.
+        position: column of the ball's position, likewise; `none` for a recording without positions.
+        rate: sampling rate [Hz], where the file has no times.
+        linkage: `r=0.025,L=0.4` [m] where the angle is that of a crank; the beam's is asin(r sin(θ + offset) / L).
+        flip_angle: whether to negate the angle, so that a positive one accelerates the ball towards +s.
+        flip_position: whether to negate the position, to the same end.
+        keep_signs: whether signs stay that the data contradict.
+        rig: known quantities as `{"ball.mass_kg": 0.064}`; keys as in `rig.toml`.
+        origin: free text on the data; begin it with `simulated` where they are.
+        force: replace files that were not written by an import.
+        ask: called where something cannot be told; returns one of the choices.
+        command: for the record.
+
+    Raises:
+        Ambiguity: something cannot be told from a file, and there is nobody to ask; an `InputError`.
+        InputError: a file cannot be read, a choice is impossible, or the folder cannot be written.
+    """
+    paths = [Path(one) for one in ([files] if isinstance(files, str | Path) else files)]
+    if not paths:
+        raise InputError("no file to import. Name at least one.")
+    if out is not None and into is not None:
+        raise InputError("--out makes a new case and --into adds to one. Give one of them.")
+    quantities = _quantities(rig or {})
+    if into is not None and quantities:
+        raise InputError("--rig is for a new case; write what is known into rig.toml of the existing one.")
+    options = Options(
+        time, angle, position, rate, flip_angle, flip_position, keep_signs, linkage, quantities
+    )  # fmt: skip
+    sources = [read_file(path) for path in paths]
+    understood = []
+    answers: list[str] = []
+    for group in [tuple(sources)] if join else [(one,) for one in sources]:
+        one, options = _understand(group, options, ask, answers)
+        understood.append(one)
+    command = " ".join((command, *answers))
+    if into is not None:
+        folder = Path(into)
+        recordings = _add(folder, understood, paths, command=command)
+    else:
+        folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
+        recordings = _write(folder, understood, paths, quantities, origin=origin, command=command, force=force)
+    return Imported(folder, recordings, load_case(folder), tuple(answers))
+
+
+def _understand(
+    group: tuple[SourceFile, ...], options: Options, ask: Ask | None, answers: list[str]
+) -> tuple[Understood, Options]:
+    """The recording, and the options with what was asked, which also hold for the next one.
+
+    Args:
+        answers: filled with what was asked and answered, as options of the command.
+    """
+    while True:
+        try:
+            return understand(group, options), options
+        except Ambiguity as ambiguity:
+            if ask is None:
+                raise
+            answer = ask(ambiguity)
+            options = replace(options, **answer.options)
+            option = answer.typed.split()[0]
+            answers[:] = [one for one in answers if one.split()[0] != option] + [answer.typed]
+
+
+def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    made: dict[str, dict[str, float]] = {}
+    for name, value in rig.items():
+        table, _, key = name.partition(".")
+        if table not in ("ball", "beam", "environment", "sensors") or key not in KEYS[table]:
+            known = [f"{one}.{each}" for one in ("ball", "beam", "environment", "sensors") for each in KEYS[one]]
+            raise InputError(f"--rig {name}: unknown.{did_you_mean(name, known)} Known are {', '.join(known)}.")
+        made.setdefault(table, {})[key] = float(value)
+    return made
+
+
+def _write(
+    folder: Path,
+    understood: Sequence[Understood],
+    inputs: Sequence[Path],
+    rig: Mapping[str, Mapping[str, float]],
+    *,
+    origin: str | None,
+    command: str,
+    force: bool,
+) -> dict[str, Understood]:
+    recordings = {f"rec_{number:02d}.csv": one for number, one in enumerate(understood, start=1)}
+    names = (*recordings, RIG_FILE, FILE)
+    with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
+        for name, one in recordings.items():
+            _put(scratch / name, recording_text(one))
+        _put(scratch / RIG_FILE, rig_text(recordings, rig, origin=origin, command=command))
+        _check(scratch, folder, understood)
+        entries = [recording_record(name, one) for name, one in recordings.items()]
+        _put(scratch / FILE, _record(entries, hashes_of(scratch), command))
+    return recordings
+
+
+def _add(
+    folder: Path, understood: Sequence[Understood], inputs: Sequence[Path], *, command: str
+) -> dict[str, Understood]:
+    """Add recordings to an existing case; its own files stay, but for the list in its `rig.toml`."""
+    file = folder / RIG_FILE
+    if not folder.is_dir() or not file.is_file():
+        raise InputError(f"{folder}: not a case to add to, as there is no {RIG_FILE}. Make a new one with --out.")
+    settle(folder)
+    load_checked_case(folder)  # what is wrong with it is said before anything is added
+    taken = [int(found[1]) for one in folder.iterdir() if (found := re.fullmatch(r"rec_(\d+)\.csv", one.name))]
+    first = max(taken, default=0) + 1
+    recordings = {f"rec_{number:02d}.csv": one for number, one in enumerate(understood, start=first)}
+    comments = [line for name, one in recordings.items() for line in described(name, one)]
+    text = with_recordings(str(file), read_source(file).text, tuple(recordings), comments)
+    before = _entries(folder)
+    # The user's rig.toml is replaced by itself with a longer list; the other names are new.
+    with all_or_nothing(folder, record=FILE, inputs=inputs, force=True) as scratch:
+        for name, one in recordings.items():
+            _put(scratch / name, recording_text(one))
+        _put(scratch / RIG_FILE, text)
+        hashes = dict(written(folder / FILE))
+        hashes.pop(FILE, None)
+        entries = [*before, *(recording_record(name, one) for name, one in recordings.items())]
+        _put(scratch / FILE, _record(entries, hashes | hashes_of(scratch), command))
+    return recordings
+
+
+def _entries(folder: Path) -> list[dict[str, Any]]:
+    """Recordings that are in the record of a case already."""
+    if not written(folder / FILE):
+        return []
+    content = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    return list(content.get("recordings", []))
+
+
+def _check(scratch: Path, folder: Path, understood: Sequence[Understood]) -> None:
+    """Load what is about to be written.
+
+    Raises:
+        InputError: it is no case; the message names the files that it comes from.
+    """
+    try:
+        load_checked_case(scratch)
+    except InputError as error:
+        sources = ", ".join(str(source.path) for one in understood for source in one.sources)
+        raise InputError(f"{sources}: cannot become a case: {str(error).replace(str(scratch), str(folder))}") from None
+
+
+def recording_record(name: str, one: Understood) -> dict[str, Any]:
+    """How a recording was understood, as JSON content."""
+    return {
+        "name": name,
+        "sources": [{"name": each.path.name, "sha256": each.sha256, "kind": each.kind} for each in one.sources],
+        "columns": [asdict(line) for line in one.lines],
+        "linkage": None if one.linkage is None else asdict(one.linkage),
+        "negated": list(one.flipped),
+        "sign": one.sign,
+        "sign_checked": one.sign_checked,
+        "rate": one.rate,
+        "notes": list(one.notes),
+        "angle_resolution_rad": one.angle_resolution,
+        "position_resolution_m": one.position_resolution,
+    }
+
+
+def _record(entries: Sequence[Mapping[str, Any]], files: Mapping[str, str], command: str) -> str:
+    return sealed_json({"schema": 1, "command": command, "recordings": entries, "files": files, "versions": versions()})
+
+
+def _put(file: Path, text: str) -> None:
+    file.write_text(text, encoding="utf-8", newline="\n")

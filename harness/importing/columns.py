@@ -1,0 +1,160 @@
+"""Which signal is which quantity: as the user chose, or as exactly one name says; otherwise an `Ambiguity`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.errors import InputError
+from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
+from harness.importing.signals import Group, Signal
+from harness.importing.words import VOLTS, Kind, Role, is_input, read_name, unit_key
+from harness.recording.findings import quoted
+
+MOST_CHOICES = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A signal that is a quantity.
+
+    Attributes:
+        group: in which it is.
+        signal: the signal.
+        chosen: the user's choice; `None` if it was found by its name.
+        evidence: why it is this quantity, in words.
+    """
+
+    group: Group
+    signal: Signal
+    chosen: Chosen | None
+    evidence: str
+
+    @property
+    def name(self) -> str:
+        """The signal's name with that of its group."""
+        return self.group.qualified(self.signal)
+
+
+def find(
+    path: Path, role: Role, groups: Sequence[Group], options: Options, *, taken: Signal | None = None
+) -> Found | None:
+    """The signal of the angle or the position; `None` if the user says that there is none.
+
+    Args:
+        taken: a signal that is another quantity already, which is not offered.
+
+    Raises:
+        Ambiguity: several may be it, or none says so by its name.
+        InputError: the user chose a column that is not there.
+    """
+    text = getattr(options, role)
+    every = [(group, signal) for group in groups for signal in group.signals]
+    if text == NONE and role == "position":
+        return None
+    if text is not None:
+        names = (*(s.name for _, s in every), *(g.qualified(s) for g, s in every))
+        chosen = parse_chosen(role, text, names)
+        group, signal = named(path, chosen.column, groups, option=f"--{role}")
+        return Found(group, signal, chosen, f"--{role}")
+    kinds = [(group, signal, _kind(group, signal)) for group, signal in every if signal is not taken]
+    matches = [(group, signal) for group, signal, kind in kinds if kind == role]
+    if len(matches) == 1:
+        return Found(*matches[0], None, "its name")
+    shafts = [(group, signal) for group, signal, kind in kinds if kind == "shaft"]
+    if role == "angle" and not matches and len(shafts) == 1:
+        return _shaft(path, *shafts[0], options)
+    if matches:
+        question = f"{path}: {len(matches)} columns may be the {_WORDS[role]}."
+        raise Ambiguity(question, _choices(role, matches))
+    left = [(group, signal) for group, signal, kind in kinds if kind != "time" and _varies(signal)]
+    question = (
+        f"{path}: no column is called the {_WORDS[role]}; it has {quoted([g.qualified(s) for g, s in every][:20])}."
+    )
+    if not left:
+        raise InputError(f"{question} None of them changes, so that none can be it. Record the {role}.")
+    advice = "Where the recording has no positions, give --position none." if role == "position" else ""
+    volts = next((signal for _, signal in left if is_input(signal.name) or unit_key(signal.unit) in VOLTS), None)
+    if volts is not None:
+        unit = "deg" if role == "angle" else "cm"
+        advice += f" What is in V needs a calibration too: --{role} '{volts.name}:2.5 {unit}/V+0.1'."
+    raise Ambiguity(question, _choices(role, left), advice.strip())
+
+
+_WORDS = {"time": "time", "angle": "beam's angle", "position": "ball's position"}
+
+
+def _kind(group: Group, signal: Signal) -> Kind | None:
+    if signal.name == group.time:
+        return "time"
+    return read_name(signal.name).kind or _kind_of_group(group, signal)
+
+
+def _kind_of_group(group: Group, signal: Signal) -> Kind | None:
+    """What the name of a topic or structure with one signal besides the time says."""
+    others = [one for one in group.signals if one.name != group.time]
+    return read_name(group.name).kind if group.name and len(others) == 1 and others[0] is signal else None
+
+
+def _shaft(path: Path, group: Group, signal: Signal, options: Options) -> Found:
+    """The angle of a shaft, which is the beam's only if the user says so."""
+    name = group.qualified(signal)
+    if options.linkage is not None:
+        return Found(group, signal, None, "its name, with --linkage")
+    as_beam = Choice({"angle": name}, f"--angle '{name}'", "it is the beam's angle")
+    raise Ambiguity(
+        f"{path}: '{name}' may be the angle of the servo or motor, and not that of the beam.",
+        (as_beam,),
+        "If a crank turns the beam, give --linkage r=RADIUS,L=LEVER in m, such as r=0.025,L=0.4.",
+    )
+
+
+def named(path: Path, text: str, groups: Sequence[Group], *, option: str) -> tuple[Group, Signal]:
+    """The signal of a name or number.
+
+    Raises:
+        InputError: there is none, or there are several.
+    """
+    every = [(group, signal) for group in groups for signal in group.signals]
+    for case in (str, str.casefold):  # as written first
+        matches = [
+            (group, signal)
+            for group, signal in every
+            if case(text) in (case(signal.name), case(group.qualified(signal)))
+        ]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            names = quoted([group.qualified(signal) for group, signal in matches][:MOST_CHOICES])
+            raise InputError(f"{path}: {option}: '{text}' is in several groups: {names}. Write one of these.")
+    if text.isdecimal() and 1 <= int(text) <= len(every):
+        return every[int(text) - 1]
+    names = quoted([group.qualified(signal) for group, signal in every][:20])
+    more = f" and {len(every) - 20} more" if len(every) > 20 else ""
+    raise InputError(
+        f"{path}: {option}: there is no column '{text}'. It has {names}{more}; a number counts them from 1."
+    )
+
+
+def _choices(role: Role, signals: Sequence[tuple[Group, Signal]]) -> tuple[Choice, ...]:
+    return tuple(
+        Choice({role: group.qualified(signal)}, f"--{role} '{group.qualified(signal)}'", range_of(signal))
+        for group, signal in signals[:MOST_CHOICES]
+    )
+
+
+def range_of(signal: Signal) -> str:
+    """Range and count of the values, in words."""
+    known = signal.values[np.isfinite(signal.values)]
+    if not len(known):
+        return "blank"
+    unit = f" {signal.unit}" if signal.unit else ""
+    return f"{known.min():.4g} to {known.max():.4g}{unit}, {len(known)} values"
+
+
+def _varies(signal: Signal) -> bool:
+    known = signal.values[np.isfinite(signal.values)]
+    return len(known) > 1 and float(np.ptp(known)) > 0.0

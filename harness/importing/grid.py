@@ -1,0 +1,203 @@
+"""Finds the numbers in a sheet of cells, whatever stands above them: a preamble, column names, a row of units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import InputError
+from harness.importing.cells import is_date, is_missing, is_number, is_stamp, numbers, seconds
+from harness.importing.signals import Group, Signal, unique_names
+from harness.importing.words import is_unit
+from harness.recording.findings import place, rows_text
+
+MOST_COLUMNS = 1000
+FEWEST_ROWS = 3  # below each other, to be taken for data
+# Words that stand in the first cell of a row of units, or of names, and are neither.
+_LABELS = ("source", "sequence", "unit", "units", "einheit", "einheiten", "channel", "")
+
+Rows = Sequence[tuple[int, list[str]]]
+"""Row number and cells of each row; blank rows are left out."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Cells divided into parts.
+
+    Attributes:
+        preamble: rows above the column names.
+        names: of the columns, of their own.
+        units: of the columns; empty where none is written in a row of its own.
+        cells: of the data, row by row.
+        rows: row numbers of the data, shape (n,).
+        notes: what was left out.
+    """
+
+    preamble: tuple[list[str], ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    cells: tuple[list[str], ...]
+    rows: NDArray[np.intp]
+    notes: tuple[str, ...]
+
+
+def is_data(cells: Sequence[str]) -> bool:
+    """Whether a row looks like data: numbers or times of day, more of them than of words."""
+    filled = [cell for cell in cells if not is_missing(cell)]
+    values = [is_number(cell) or is_stamp(cell) or is_date(cell) for cell in filled]
+    return bool(filled) and sum(values) * 2 > len(filled) and values[0]
+
+
+def data_begins(rows: Rows) -> int | None:
+    """Index of the first of at least three rows of data of the same width; `None` if there are none."""
+    run = 0
+    for index, (_, cells) in enumerate(rows):
+        before = rows[index - 1][1]
+        same = run and (len(cells) == len(before) or len(_trimmed(cells)) == len(_trimmed(before)))
+        run = (run + 1 if same or not run else 1) if is_data(cells) else 0
+        if run == FEWEST_ROWS:
+            return index - FEWEST_ROWS + 1
+    return None
+
+
+def divide(path: Path, rows: Rows) -> Sheet:
+    """Divides rows into preamble, names, units and data.
+
+    Raises:
+        InputError: there is no table of numbers, or something else stands among them.
+    """
+    begin = data_begins(rows)
+    if begin is None:
+        raise InputError(
+            f"{path}: no table of numbers in it (at least {FEWEST_ROWS} rows of at least one column below each other). "
+            "Export the recording with one row per reading."
+        )
+    first = [cells for _, cells in rows[begin : begin + FEWEST_ROWS]]
+    width = max(len(_trimmed(cells)) for cells in first)
+    most = max(len(cells) for cells in first)
+    head = begin
+    names: list[str] = []
+    units: list[str] = []
+    # Names and units may stand in either order.
+    while head > 0 and begin - head < 2 and not (names and units):
+        cells = _trimmed(rows[head - 1][1])
+        if not 0 < len(cells) <= max(width + 1, most) or (len(cells) < width and len(cells) < 2) or is_data(cells):
+            break
+        if not units and _is_units(cells):
+            units = cells
+        elif not names:
+            names = cells
+        else:
+            break
+        head -= 1
+    width = max(width, min(len(names), most))
+    if width > MOST_COLUMNS:
+        raise InputError(f"{place(path, rows[begin][0])}: {width} columns; at most {MOST_COLUMNS} are read.")
+    body, notes = _body(path, rows[begin:], width)
+    above = [row for row, cells in rows[:head] if is_data(cells) and len(_trimmed(cells)) > 1]
+    if above:
+        notes = (*notes, f"{rows_text(above)} above the table left out, though it looks like data")
+    filled = (*names, *[""] * width)[:width]
+    return Sheet(
+        tuple(cells for _, cells in rows[:head]),
+        tuple(unique_names(filled)),
+        tuple(unit.strip("()[] ") for unit in (*units, *[""] * width)[:width]),
+        tuple(cells for _, cells in body),
+        np.array([row for row, _ in body]),
+        notes,
+    )
+
+
+def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tuple[str, ...]]:
+    """The columns of numbers, and notes on those of words."""
+    _refuse_mixed_marks(path, sheet)
+    signals: list[Signal] = []
+    left_out: list[str] = []
+    for column, (title, unit) in enumerate(zip(sheet.names, sheet.units, strict=True)):
+        cells = [row[column] for row in sheet.cells]
+        if all(map(is_missing, cells)):
+            continue
+        values = numbers(cells)
+        if values is not None:
+            signals.append(Signal(title, values, unit, "the file" if unit else ""))
+            continue
+        times = seconds(cells)
+        if times is not None:
+            signals.append(Signal(title, times, "s", "dates or times of day"))
+            continue
+        wrong = [
+            (row, cell)
+            for row, cell in zip(sheet.rows, cells, strict=True)
+            if not (is_number(cell) or is_missing(cell))
+        ]
+        if len(wrong) * 4 <= len(cells):  # a column of numbers with an accident in it
+            row, cell = wrong[0]
+            raise InputError(
+                f"{place(path, int(row), title)}: '{cell[:40]}' is not a number. Correct it, or leave the cell blank "
+                "if it is unknown."
+            )
+        left_out.append(title)
+    notes = (f"columns of words left out: {', '.join(left_out)}",) if left_out else ()
+    if not signals:
+        raise InputError(f"{path}: none of its columns holds numbers. Export the recording as numbers.")
+    return Group(name, tuple(signals), sheet.rows), notes
+
+
+def _refuse_mixed_marks(path: Path, sheet: Sheet) -> None:
+    """Refuse a comma and a point as decimal marks in one table: one of them may part thousands."""
+    first: dict[str, tuple[int, int, str]] = {}
+    for row, cells in zip(sheet.rows, sheet.cells, strict=True):
+        for column, cell in enumerate(cells):
+            mark = "," if "," in cell else "." if "." in cell else ""
+            if mark and mark not in first and is_number(cell):
+                first[mark] = int(row), column, cell
+        if len(first) == 2:
+            row, column, cell = first[","]
+            other, _, point = first["."]
+            raise InputError(
+                f"{place(path, row, sheet.names[column])}: '{cell}' has a comma, but '{point}' in row {other} has a "
+                "point. Use one decimal mark and no thousands separators."
+            )
+
+
+def _body(path: Path, rows: Rows, width: int) -> tuple[list[tuple[int, list[str]]], tuple[str, ...]]:
+    body: list[tuple[int, list[str]]] = []
+    last = next(index for index in range(len(rows) - 1, -1, -1) if is_data(rows[index][1]))
+    for index, (row, cells) in enumerate(rows):
+        trimmed = _trimmed(cells)
+        if index > last:
+            return body, (f"rows {row} to {rows[-1][0]} below the numbers left out",)
+        if len(trimmed) > width:
+            raise InputError(
+                f"{place(path, row)}: {len(trimmed)} cells where the rows above have {width}. Save each table in a "
+                "file of its own."
+            )
+        if len(cells) < width and index == len(rows) - 1:
+            return body, (f"row {row} is incomplete and was left out",)
+        if not any(is_number(cell) or is_stamp(cell) or is_missing(cell) for cell in trimmed):
+            raise InputError(
+                f"{place(path, row)}: '{' '.join(trimmed)[:60]}' stands among the numbers. Delete this row, or save "
+                "each table in a file of its own."
+            )
+        body.append((row, [*cells, *[""] * (width - len(cells))][:width]))
+    return body, ()
+
+
+def _is_units(cells: Sequence[str]) -> bool:
+    """Whether a row holds units: every cell is one, but for a label in the first."""
+    stripped = [cell.strip("()[] ") for cell in cells]
+    rest = stripped[1:] if stripped and stripped[0].casefold() in _LABELS else stripped
+    filled = [cell for cell in rest if cell]
+    # Single letters are names as often as units: `t, x` is no row of units, and neither is `s, m` but for its company.
+    return bool(filled) and all(map(is_unit, filled)) and [one.casefold() for one in filled] != ["s"]
+
+
+def _trimmed(cells: Sequence[str]) -> list[str]:
+    made = list(cells)
+    while made and not made[-1].strip():
+        made.pop()
+    return made

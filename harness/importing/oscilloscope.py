@@ -1,0 +1,110 @@
+"""Preambles of oscilloscopes: `Record Length`, `Sample Interval`, `Start`, `Increment`, in rows or beside the data."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from harness.importing.cells import is_number
+from harness.importing.grid import Rows
+
+# What instruments call the sampling interval; the value is in seconds, whatever the samples' unit.
+_INTERVALS = (
+    "sample interval", "sampling interval", "sample period", "sampling period", "increment", "xincrement",
+    "x increment", "hresolution", "horizontal interval", "delta t", "dt", "tdelta",
+)  # fmt: skip
+_RATES = ("sample rate", "sampling rate", "sampling frequency", "samplerate", "abtastrate", "fs")
+_STARTS = ("start", "xorigin", "x origin", "first point", "trigger offset")
+_MAKERS = {
+    "rigol": "Rigol", "tektronix": "Tektronix", "keysight": "Keysight", "agilent": "Agilent", "siglent": "Siglent",
+    "lecroy": "LeCroy", "rohde": "Rohde & Schwarz", "yokogawa": "Yokogawa", "hantek": "Hantek",
+}  # fmt: skip
+_SIDE = 3  # columns that Tektronix puts before time and voltage, for the preamble
+_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "hz": 1.0, "khz": 1e3, "mhz": 1e6, "sa/s": 1.0, "ksa/s": 1e3}
+
+
+@dataclass(frozen=True)
+class Preamble:
+    """What the preamble says.
+
+    Attributes:
+        entries: text by key in lower case.
+        increment: sampling interval [s]; `None` if it says none.
+        increment_from: the key that says it.
+        start: time of the first sample [s]; `None` if it says none.
+        words: all of it in one text.
+    """
+
+    entries: Mapping[str, str]
+    increment: float | None
+    increment_from: str
+    start: float | None
+    words: str
+
+    def text(self, key: str) -> str:
+        """The text of an entry, empty if there is none."""
+        return self.entries.get(key, "")
+
+
+def without_side_preamble(rows: Rows) -> tuple[Rows, tuple[list[str], ...]]:
+    """Separates a preamble that stands beside the data: on the left (Tektronix), or right of the names (Rigol)."""
+    if not rows or len(rows) < 3:
+        return rows, ()
+    first = rows[0][1]
+    keys = {cell.casefold(): at for at, cell in enumerate(first)}
+    if {"start", "increment"} <= set(keys):  # Rigol writes them behind the names, with their values below
+        width = keys["start"]
+        return [(row, cells[:width]) for row, cells in rows], (first[width:], rows[1][1][width:])
+    beside = len(first) > _SIDE + 1 and first[0].casefold().startswith("record length")
+    if not beside or not all(map(is_number, first[_SIDE : _SIDE + 2])):
+        return rows, ()
+    side = tuple([cell for cell in cells[:_SIDE] if cell] for _, cells in rows if any(cells[:_SIDE]))
+    return [(row, cells[_SIDE : _SIDE + 2]) for row, cells in rows if len(cells) > _SIDE + 1], side
+
+
+def preamble_of(rows: Sequence[Sequence[str]]) -> Preamble:
+    """What rows above or beside the data say, as keys with values or as a row of keys above a row of values."""
+    entries: dict[str, str] = {}
+    for cells in rows:
+        filled = [cell.strip() for cell in cells if cell.strip()]
+        if len(filled) == 1 and re.search(r"[:=]", filled[0]):
+            filled = [one.strip() for one in re.split(r"[:=]", filled[0], maxsplit=1)]
+        if len(filled) >= 2:
+            entries.setdefault(filled[0].casefold().strip(' :"='), filled[1])
+    for above, below in itertools.pairwise(rows):  # Rigol: X,CH1,Start,Increment
+        for name, value in zip(above, below, strict=False):
+            if name.strip().casefold() in {*_STARTS, *_INTERVALS} and is_number(value.strip()):
+                entries[name.strip().casefold()] = value.strip()
+    increment, said = _first(entries, _INTERVALS)
+    if increment is None:
+        rate, said = _first(entries, _RATES)
+        increment = 1.0 / rate if rate else None
+    start, _ = _first(entries, _STARTS)
+    words = " ".join(cell for cells in rows for cell in cells)
+    return Preamble(entries, increment if increment and increment > 0.0 else None, said, start, words)
+
+
+def instrument(preamble: Preamble, names: Sequence[str]) -> str:
+    """What wrote the file, in words."""
+    for word, maker in _MAKERS.items():
+        if word in preamble.words.casefold():
+            return f"text of an oscilloscope ({maker})"
+    scope = {"record length", "vertical scale", "vertical units", "probe attenuation"} & set(preamble.entries)
+    if scope or any(re.fullmatch(r"(CH|C|Channel )\s?[1-8A-D](\b.*)?", name, re.IGNORECASE) for name in names):
+        return "text of an oscilloscope"
+    return "text"
+
+
+def _first(entries: Mapping[str, str], keys: Sequence[str]) -> tuple[float | None, str]:
+    for key, text in entries.items():
+        bare = re.sub(r"\s*[\[(].*?[\])]", "", key).strip()
+        if bare not in keys and key not in keys:
+            continue
+        found = re.fullmatch(r"([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([A-Za-zµ/]*)", text.strip())
+        unit = re.search(r"[\[(](.*?)[\])]", key)
+        written = (found[2] if found and found[2] else unit[1] if unit else "").replace("µ", "u").casefold()
+        if found and is_number(found[1]) and (not written or written in _UNIT):
+            return float(found[1].replace(",", ".")) * _UNIT.get(written, 1.0), key
+    return None, ""

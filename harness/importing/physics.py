@@ -1,0 +1,64 @@
+"""The ball's acceleration against the beam's angle: what tells units and signs from the data themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analytic.motion import FloatArray
+from harness.recording.known_rig import KnownRig
+from harness.recording.plausibility import Signals, is_conclusive, longest_known_run, plausible_slope
+from harness.recording.tilt_response import TiltResponse, tilt_response
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The regression of the ball's acceleration on g α.
+
+    Attributes:
+        response: of the data as they are; `None` if there are too few, or one signal is constant.
+    """
+
+    response: TiltResponse | None
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether the acceleration follows the angle clearly enough for any conclusion."""
+        return self.response is not None and is_conclusive(self.response)
+
+    @property
+    def slope(self) -> float:
+        """Acceleration over g α [1]; 0 without a response."""
+        return 0.0 if self.response is None else self.response.slope
+
+    def plausible(self, factor: float = 1.0) -> bool:
+        """Whether the slope, in units that change it by a factor, is one of a rolling ball, of either sign."""
+        return plausible_slope(abs(self.slope) * factor)
+
+    def __str__(self) -> str:
+        if self.response is None:
+            return "the data are too few, or one signal is constant"
+        return f"the ball's acceleration is {self.slope:+.3g} g α, correlation {self.response.correlation:.2f}"
+
+
+def evidence_of(time: FloatArray, angle: FloatArray, position: FloatArray, *, gravity: float | None = None) -> Evidence:
+    """Regresses the acceleration.
+
+    Args:
+        time: [s]; angle: α [rad]; position: s [m]; each of shape (n,), with NaN where unknown.
+        gravity: g [m/s²].
+    """
+    order = np.argsort(time, kind="stable")
+    time, angle, position = time[order], angle[order], position[order]
+    known = np.isfinite(time) & np.isfinite(angle)
+    known[1:] &= np.diff(time) > 0.0
+    if known.sum() < 2:
+        return Evidence(None)
+    time, angle, position = time[known], angle[known], position[known]
+    run = longest_known_run(
+        Signals(time, angle, position, np.zeros(len(time), dtype=np.bool_), KnownRig(gravity=gravity))
+    )
+    if run is None or len(run[1]) > 10_000_000:
+        return Evidence(None)
+    return Evidence(tilt_response(*run, gravity=gravity or 9.81))

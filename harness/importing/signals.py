@@ -1,0 +1,93 @@
+"""What a reader finds in a file: groups of signals of the same length, before anybody knows what they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """A column of numbers.
+
+    Attributes:
+        name: as the file has it; of its own within a group.
+        values: NaN where a cell is blank, shape (n,), in the file's unit.
+        unit: as written; empty if the file has none.
+        unit_from: where the unit is written, such as `Y_Unit_Label`; empty if it is in the name or nowhere.
+    """
+
+    name: str
+    values: FloatArray
+    unit: str = ""
+    unit_from: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Signals that share their rows.
+
+    Attributes:
+        name: of a sheet, a topic, a structure; empty where the file has only one group.
+        signals: in the file's order.
+        rows: row number of each value in the file, counted from 1 as in an editor, shape (n,).
+        time: name of the signal that the format itself says is the time; `None` if it says none.
+        step: sampling interval according to the file [s]; `None` if it has none.
+        start: time of the first row according to the file [s], where `step` is given.
+        step_from: where the sampling interval is written.
+    """
+
+    name: str
+    signals: tuple[Signal, ...]
+    rows: NDArray[np.intp]
+    time: str | None = None
+    step: float | None = None
+    start: float = 0.0
+    step_from: str = ""
+
+    def qualified(self, signal: Signal) -> str:
+        """The name of a signal with that of its group."""
+        return f"{self.name}/{signal.name}" if self.name else signal.name
+
+
+@dataclass(frozen=True, eq=False)
+class SourceFile:
+    """A file that was read.
+
+    Attributes:
+        path: of the file.
+        sha256: of its bytes.
+        kind: what it is, in words.
+        groups: what is in it.
+        notes: what was left out or assumed when it was read, in words.
+    """
+
+    path: Path
+    sha256: str
+    kind: str
+    groups: tuple[Group, ...]
+    notes: tuple[str, ...] = field(default=())
+
+
+def group_of(name: str, signals: Sequence[Signal], *, first_row: int = 1, time: str | None = None) -> Group:
+    """A group whose values stand in consecutive rows."""
+    return Group(name, tuple(signals), np.arange(first_row, first_row + len(signals[0].values)), time)
+
+
+def unique_names(names: Sequence[str]) -> list[str]:
+    """The same names, `column 3` for one that is empty, and numbered where one occurs again."""
+    made: list[str] = []
+    for number, given in enumerate(names, start=1):
+        name = base = given.strip() or f"column {number}"
+        again = 2
+        while name in made:
+            name = f"{base} ({again})"
+            again += 1
+        made.append(name)
+    return made

@@ -1,0 +1,251 @@
+"""`harness import`: files of instruments and programs become cases in one command."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from rosbags.rosbag2 import StoragePlugin
+
+from harness.cli.main import main
+from harness.recording import load_case
+from tests.importing import made
+from tests.importing.test_ros import write_ros2
+
+
+def call(*words: object) -> Result:
+    """A command in this process."""
+    return CliRunner().invoke(main, ["import", *map(str, words)])
+
+
+def import_of(name: str, folder: Path, *more: object) -> Result:
+    """Import one of the files of `made.FILES` with what its user has to say."""
+    write, options = made.FILES[name]
+    return call(write(folder / name), "--out", folder / "case", *options, *more)
+
+
+@pytest.mark.parametrize("name", made.FILES)
+def test_a_file_becomes_a_case(tmp_path: Path, name: str) -> None:
+    """Make a case in one command whose recording is the simulated one, in SI units."""
+    done = import_of(name, tmp_path)
+    assert done.exit_code == 0, done.stderr
+    (one,) = load_case(tmp_path / "case").recordings.values()
+    time, angle, position = made.truth()
+    # Trigger in the middle: the first stamp of some is −6 s. Stamps are written to microseconds.
+    np.testing.assert_allclose(one.time - one.time[0], time, atol=1.1e-6)
+    # The coarsest files write the angle as 1e-4 V (2.5e-6 rad) or 1e-4 deg (0.9e-6 rad), rounded by half of that, and
+    # the position as 1e-4 V (6.25e-6 m) or 1e-3 cm (5e-6 m).
+    np.testing.assert_allclose(one.angle, angle, atol=2.6e-6)
+    np.testing.assert_allclose(one.position, position, atol=6.3e-6)
+    assert f"next: harness diagnose {tmp_path / 'case'}" in done.stdout
+    assert "sign right" in done.stdout
+    assert not [each for each in load_case(tmp_path / "case").findings if each.severity == "warning"]
+
+
+def documented() -> list[list[str]]:
+    """The commands of docs/import.md, as words behind `harness import`."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "import.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```sh\n(.*?)```", page, re.DOTALL)
+    lines = [line for block in blocks for line in block.splitlines() if line.startswith("harness import")]
+    return [shlex.split(line, comments=True)[2:] for line in lines]
+
+
+@pytest.mark.parametrize("words", documented(), ids=lambda words: words[0])
+def test_the_documented_commands_work(tmp_path: Path, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run every example of the page as it stands there, and get the simulated recording."""
+    monkeypatch.chdir(tmp_path)
+    for word in words:
+        if word in made.FILES:
+            made.FILES[word][0](tmp_path / word)
+        elif word.endswith(".CSV"):
+            made.tektronix_channel(tmp_path / word, int(word[-5]))
+        elif word == "bag/":
+            write_ros2(tmp_path / "bag", StoragePlugin.SQLITE3)
+    done = call(*words, "--out", "case")
+    assert done.exit_code == 0, done.stderr
+    (one,) = load_case("case").recordings.values()
+    if words[0] != "bag/":
+        np.testing.assert_allclose(one.position, made.truth()[2], atol=6.3e-6)  # as above
+
+
+def test_channels_in_files_of_their_own_are_joined(tmp_path: Path) -> None:
+    """Make one recording of two files with a channel each."""
+    files = [made.tektronix_channel(tmp_path / f"F0001CH{channel}.CSV", channel) for channel in (1, 2)]
+    done = call(*files, "--join", "--out", tmp_path / "case", *made.SCOPE_OPTIONS)
+    assert done.exit_code == 0, done.stderr
+    (one,) = load_case(tmp_path / "case").recordings.values()
+    np.testing.assert_allclose(one.position, made.truth()[2], atol=1e-6)  # 1e-5 V are 1.25e-6 m, halved by rounding
+
+
+def test_a_voltage_needs_a_calibration(tmp_path: Path) -> None:
+    """End with 2 and the option to give where an input of an oscilloscope is all that is known."""
+    file = made.rigol(tmp_path / "rigol.csv")
+    done = call(file, "--out", tmp_path / "case", "--angle", "CH1:0.05 rad/V", "--position", "CH2")
+    assert done.exit_code == 2
+    assert "--position 'CH2:0.125 m/Volt+0.01'" in done.stderr
+    assert not (tmp_path / "case").exists()
+
+
+def test_an_ambiguity_is_told_and_the_answer_works(tmp_path: Path) -> None:
+    """End with 2 and options that, given as they are printed, make the case."""
+    file = made.free_text(tmp_path / "free.txt")
+    done = call(file, "--out", tmp_path / "case")
+    assert done.exit_code == 2
+    assert "Give --angle 'theta' (it is the beam's angle)" in done.stderr
+    assert "--linkage" in done.stderr
+    assert not (tmp_path / "case").exists()
+    assert call(file, "--out", tmp_path / "case", "--angle", "theta").exit_code == 0
+
+
+def test_a_reversed_sign_is_asked_for_and_can_be_put_right(tmp_path: Path) -> None:
+    """Refuse data whose ball runs against the angle; take either flip, or keep the signs if told so."""
+    import pandas as pd
+
+    time, angle, position = made.truth()
+    file = tmp_path / "reversed.parquet"
+    pd.DataFrame({"time_s": time, "angle_rad": -angle, "x_m": position}).to_parquet(file)
+    done = call(file, "--out", tmp_path / "none")
+    assert done.exit_code == 2
+    assert "--flip-angle" in done.stderr
+    assert "--flip-position" in done.stderr
+    assert call(file, "--out", tmp_path / "a", "--flip-angle").exit_code == 0
+    assert call(file, "--out", tmp_path / "b", "--flip-position").exit_code == 0
+    kept = call(file, "--out", tmp_path / "c", "--keep-signs")
+    assert kept.exit_code == 0
+    assert "[angle-sign]" in kept.stdout
+    loaded = {name: load_case(tmp_path / name).recordings["rec_01.csv"] for name in "abc"}
+    np.testing.assert_allclose(loaded["a"].angle, angle, atol=1e-9)
+    np.testing.assert_allclose(loaded["b"].position, -position, atol=1e-9)
+    np.testing.assert_allclose(loaded["c"].angle, -angle, atol=1e-9)
+
+
+def test_a_flip_too_many_is_told(tmp_path: Path) -> None:
+    """Ask back where the user negates an angle whose sign was right."""
+    done = import_of("log.lvm", tmp_path, "--flip-angle")
+    assert done.exit_code == 2
+    assert "no --flip-angle" in done.stderr
+
+
+def test_recordings_are_added_and_what_the_user_wrote_stays(tmp_path: Path) -> None:
+    """Append to a case whose rig.toml was edited, and leave its values and comments."""
+    assert import_of("log.lvm", tmp_path).exit_code == 0
+    rig = tmp_path / "case" / "rig.toml"
+    rig.write_text(rig.read_text().replace("# mass_kg =", "mass_kg = 0.071  # weighed\n#"))
+    done = call(made.vectors(tmp_path / "vectors.mat"), "--into", tmp_path / "case")
+    assert done.exit_code == 0, done.stderr
+    case = load_case(tmp_path / "case")
+    assert case.identify == ("rec_01.csv", "rec_02.csv")
+    assert case.rig.mass == 0.071
+    assert "# weighed" in rig.read_text()
+    assert "vectors.mat, MAT-file, version 5" in rig.read_text()
+    record = json.loads((tmp_path / "case" / "import.json").read_text())
+    assert [one["sources"][0]["name"] for one in record["recordings"]] == ["log.lvm", "vectors.mat"]
+
+
+def test_several_files_become_several_recordings(tmp_path: Path) -> None:
+    """Take each file for a recording of the same rig."""
+    done = call(made.labview(tmp_path / "1.lvm"), made.vectors(tmp_path / "2.mat"), "--out", tmp_path / "case")
+    assert done.exit_code == 0, done.stderr
+    assert load_case(tmp_path / "case").identify == ("rec_01.csv", "rec_02.csv")
+
+
+def test_the_rig_says_what_is_known_and_from_where(tmp_path: Path) -> None:
+    """Write what was given, what was estimated, the file's hash and the linkage into rig.toml."""
+    done = import_of("scope.mat", tmp_path, "--rig", "ball.mass_kg=0.064", "--origin", "simulated by Simulink")
+    assert done.exit_code == 0, done.stderr
+    case = load_case(tmp_path / "case")
+    assert case.simulated
+    assert case.rig.mass == 0.064
+    assert case.rig.radius is None
+    text = (tmp_path / "case" / "rig.toml").read_text()
+    assert "# radius_m =" in text
+    assert "position_resolution_m = 0.0001  # step of the position [m]; estimated from the data" in text
+    assert "asin(0.05 sin θ / 0.4)" in text
+    record = json.loads((tmp_path / "case" / "import.json").read_text())
+    assert record["recordings"][0]["linkage"] == {"radius": 0.05, "length": 0.4, "offset": 0.0}
+    assert record["recordings"][0]["sources"][0]["sha256"] in text
+
+
+def test_nothing_foreign_is_replaced(tmp_path: Path) -> None:
+    """Replace an earlier import, but not a rig.toml that was edited since, unless forced."""
+    assert import_of("log.lvm", tmp_path).exit_code == 0
+    assert import_of("log.lvm", tmp_path).exit_code == 0
+    rig = tmp_path / "case" / "rig.toml"
+    edited = rig.read_text() + "\n# mine\n"
+    rig.write_text(edited)
+    done = import_of("log.lvm", tmp_path)
+    assert done.exit_code == 2
+    assert rig.read_text() == edited
+    assert import_of("log.lvm", tmp_path, "--force").exit_code == 0
+
+
+def test_json_for_machines(tmp_path: Path) -> None:
+    """Print columns, units and evidence as JSON."""
+    done = import_of("log.lvm", tmp_path, "--json")
+    content = json.loads(done.stdout)
+    assert [one["unit"] for one in content["recordings"][0]["columns"]] == ["s", "deg", "mm"]
+    assert content["recordings"][0]["sign_checked"] is True
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--position", "Nothing"), "there is no column 'Nothing'"),
+        (("--position", "Ball Position:furlong"), "'furlong' is no unit of the position"),
+        (("--position", "Ball Position:3 m/"), "neither a unit nor a calibration"),
+        (("--position", "Ball Position:3 m/V+2 cm"), "Write both in one unit"),
+        (("--position", "Beam Angle:m"), "is given as angle and as position"),
+        (("--linkage", "r=0.4,L=0.3"), "0 < r < L"),
+        (("--linkage", "r=0.4"), "needs r and L"),
+        (("--linkage", "r=0.4,K=3"), "'K=3' cannot be read"),
+        (("--rig", "ball.mass=0.1"), "ball.mass_kg"),
+        (("--rig", "ball"), "TABLE.KEY=VALUE"),
+        (("--into", "nowhere"), "--out makes a new case"),
+        (("--rate", "0"), "Invalid value for '--rate'"),
+    ],
+)
+def test_bad_options_are_told(tmp_path: Path, options: tuple[str, ...], told: str) -> None:
+    """End with 2 and one message that names the option, and write nothing."""
+    done = import_of("log.lvm", tmp_path, *options)
+    assert done.exit_code == 2
+    assert told in " ".join(done.stderr.split())
+    assert not (tmp_path / "case").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "answers", "asked_for", "typed"),
+    [
+        ("free.txt", "1\n", "1: --angle 'theta'  (it is the beam's angle)", "--angle 'theta'"),
+        (
+            "rigol.csv",
+            "1\n1\nCH1:0.05 rad/V\nCH2:0.125 m/V-0.1\n",
+            "1: --position 'CH2'",
+            "--position 'CH2:0.125 m/V-0.1'",
+        ),
+    ],
+)
+def test_a_terminal_is_asked(tmp_path: Path, name: str, answers: str, asked_for: str, typed: str) -> None:
+    """Ask on a terminal, take numbers and calibrations for answers, and tell the options that stand for them."""
+    file = made.FILES[name][0](tmp_path / name)
+    parent, child = pty.openpty()
+    command = [sys.executable, "-m", "harness", "import", str(file), "--out", str(tmp_path / "case")]
+    with subprocess.Popen(command, stdin=child, stdout=subprocess.PIPE, stderr=child, text=True) as process:
+        os.close(child)
+        os.write(parent, answers.encode())
+        shown, _ = process.communicate(timeout=60)
+    asked = os.read(parent, 4096).decode()
+    os.close(parent)
+    assert process.returncode == 0
+    assert asked_for in asked
+    assert typed in next(line for line in shown.splitlines() if "without questions" in line)
+    assert typed in json.loads((tmp_path / "case" / "import.json").read_text())["command"]
+    assert load_case(tmp_path / "case").recordings
