@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from harness.api.case import Case, load_case
     from harness.api.comparison import Comparison, compare
     from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.export import Export, export
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
     from harness.api.scene import SceneCheck, check_scene
@@ -32,6 +33,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.comparison": ("compare", "Comparison"),
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
+    "harness.api.export": ("export", "Export"),
     "harness.api.replay": ("replay", "Replayed"),
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
@@ -48,6 +50,7 @@ __all__ = [
     "Diagnosis",
     "Effect",
     "EngineFailure",
+    "Export",
     "Force",
     "HarnessError",
     "InputError",
@@ -60,6 +63,7 @@ __all__ = [
     "check_scene",
     "compare",
     "diagnose",
+    "export",
     "load_case",
     "load_diagnosis",
     "replay",
