@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Stage = Literal["gain", "curve", "play", "hold", "lag", "drift"]
-"""What stands between the measured angle and the beam's, in the templates of `harness.export`."""
+"""What stands between the measured angle and the beam's, in the templates of `harness.exports`."""
 Inner = Literal["slip", "dahl"]
 """An internal state w of the ball: its slip velocity [m/s], or the pull of a Dahl friction [m/s²]."""
 

@@ -16,8 +16,8 @@ from harness.errors import InputError
 from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
-    from harness.export.carried import Carried
-    from harness.export.model import ExportModel
+    from harness.exports.carried import Carried
+    from harness.exports.model import ExportModel
 
 Format = Literal["fmu", "mjcf", "urdf", "c", "python", "statespace"]
 FORMATS: tuple[str, ...] = get_args(Format)
@@ -97,7 +97,7 @@ def export(
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is no folder; name a folder to write into with --out")
     with beside_catalogue(effects or kept.own_effects):
-        from harness.export.model import export_model
+        from harness.exports.model import export_model
 
         model = export_model(kept.record, str(kept.origin))
         carried = _carried(model, to)
@@ -133,7 +133,7 @@ def _check(to: str, fmi: int, at: Mapping[str, float] | None, pade: int | None) 
 
 
 def _carried(model: ExportModel, to: str) -> list[Carried]:
-    from harness.export.carried import in_linear, in_scene, in_source
+    from harness.exports.carried import in_linear, in_scene, in_source
 
     if to in ("mjcf", "urdf"):
         return in_scene(model, slips=to == "mjcf")
@@ -145,31 +145,31 @@ def _files(
 ) -> dict[str, str | bytes]:
     """Content by name."""
     if to == "c":
-        from harness.export.code_files import c_files
+        from harness.exports.code_files import c_files
 
         return dict(c_files(model))
     if to == "python":
-        from harness.export.code_files import python_files
+        from harness.exports.code_files import python_files
 
         return dict(python_files(model))
     if to == "fmu":
-        from harness.export.fmu import fmu_bytes
+        from harness.exports.fmu import fmu_bytes
 
         return {"ball_beam.fmu": fmu_bytes(model, fmi, readme)}
     if to == "statespace":
-        from harness.export.linear import Point, linearise
-        from harness.export.statespace_files import content_of, statespace_files
+        from harness.exports.linear import Point, linearise
+        from harness.exports.statespace_files import content_of, statespace_files
 
         linear = linearise(model, Point(**at))
         return statespace_files(linear, pade, to_json(content_of(linear, pade)) + "\n")
-    from harness.export.scenes import mjcf_files, urdf_files
+    from harness.exports.scenes import mjcf_files, urdf_files
 
     return dict(mjcf_files(model) if to == "mjcf" else urdf_files(model))
 
 
 def _readme(model: ExportModel, to: str, carried: Sequence[Carried], fmi: int) -> str:
-    from harness.export.carried import spline_in
-    from harness.export.source import render
+    from harness.exports.carried import spline_in
+    from harness.exports.source import render
 
     title, text = _TEXTS[to]
     filled = "\n\n".join(

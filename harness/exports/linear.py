@@ -23,7 +23,7 @@ from analytic.law import acceleration
 from analytic.models import CAM
 from analytic.motion import FloatArray
 from harness.errors import InputError
-from harness.export.model import ExportModel, refuse_own_effects
+from harness.exports.model import ExportModel, refuse_own_effects
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.spline_term import Regressor
 

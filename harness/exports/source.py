@@ -9,7 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from harness.export.model import LONGEST_STEP, Constant, ExportModel, refuse_own_effects
+from harness.exports.model import LONGEST_STEP, Constant, ExportModel, refuse_own_effects
 from harness.identify.problem.spline_term import Regressor
 
 _ARGUMENT = {
@@ -117,7 +117,7 @@ def context_of(model: ExportModel, what: str) -> Mapping[str, Any]:
 def environment() -> Environment:
     """The template environment of source code; undefined names are errors."""
     made = Environment(
-        loader=PackageLoader("harness.export"),
+        loader=PackageLoader("harness.exports"),
         autoescape=False,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -130,5 +130,5 @@ def environment() -> Environment:
 
 
 def render(template: str, context: Mapping[str, Any]) -> str:
-    """A template of harness/export/templates, filled."""
+    """A template of harness/exports/templates, filled."""
     return environment().get_template(template).render(context)

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Literal
 
 from harness.errors import InputError
-from harness.export.model import ExportModel
-from harness.export.source import context_of, render
+from harness.exports.model import ExportModel
+from harness.exports.source import context_of, render
 
 Fmi = Literal[2, 3]
 _IDENTIFIER = "ball_beam"

@@ -19,8 +19,8 @@ from analytic.motion import FloatArray, beam_states
 from analytic.quintic import QuinticMotion
 from analytic.rig import Rig
 from analytic.slots import ORIGIN
-from harness.export.code_files import c_files, python_files
-from harness.export.model import LONGEST_STEP, ExportModel
+from harness.exports.code_files import c_files, python_files
+from harness.exports.model import LONGEST_STEP, ExportModel
 from harness.identify.filter.arguments import BeamTable
 from harness.identify.filter.free_run import free_runs
 

@@ -14,10 +14,10 @@ from analytic.motion import beam_states
 from analytic.quintic import QuinticMotion
 from harness.api.case import load_case
 from harness.errors import InputError
-from harness.export.fmu import Fmi, fmu_bytes
-from harness.export.model import of_effects
+from harness.exports.fmu import Fmi, fmu_bytes
+from harness.exports.model import of_effects
 from harness.preparation.recordings import observe
-from tests.export.exported import RIG, effect, ours
+from tests.exports.exported import RIG, effect, ours
 
 MICROMETRE = 1e-6
 STEP = 5e-3  # between communication points [s]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analytic.effects import Acting, Effect
-from harness.export.model import Exported, ExportModel
+from harness.exports.model import Exported, ExportModel
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.io import savemat
 
-from harness.export.linear import Linear
-from harness.export.source import render
+from harness.exports.linear import Linear
+from harness.exports.source import render
 
 JSON_FILE, MAT_FILE, PYTHON_FILE = "statespace.json", "statespace.mat", "statespace.py"
 _MATRICES = ("A", "B", "C", "D")

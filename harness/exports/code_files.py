@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from harness.export.model import ExportModel
-from harness.export.source import context_of, render
+from harness.exports.model import ExportModel
+from harness.exports.source import context_of, render
 
 C_FILES = ("ball_beam.h", "ball_beam.c", "main.c")
 PYTHON_FILE = "ball_beam.py"

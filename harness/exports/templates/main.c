@@ -43,6 +43,11 @@ int main(int argc, char **argv) {
     n++;
   }
   if (n < 2) return fprintf(stderr, "fewer than two rows\n"), 2;
+  for (size_t i = 1; i < n; i++) {
+    if (!(time[i] > time[i - 1])) {
+      return fprintf(stderr, "row %lu at %g s: the time does not increase\n", (unsigned long)i + 1, time[i]), 2;
+    }
+  }
   if (columns == 2) bb_derive(time, angle, n, FILTER_HALF_WIDTH, beam);
   y = malloc(n * sizeof *y);
   if (!y) return fprintf(stderr, "no memory\n"), 2;

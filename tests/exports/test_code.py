@@ -12,10 +12,10 @@ from analytic.law import acceleration, dry_limit
 from analytic.models import CAM
 from analytic.slots import ORIGIN
 from harness.errors import InputError
-from harness.export.code_files import c_files, python_files
-from harness.export.model import of_effects
+from harness.exports.code_files import c_files, python_files
+from harness.exports.model import of_effects
 from harness.identify.problem.spline_term import KINDS, SplineTerm
-from tests.export.exported import EACH, RIG, InC, effect, in_python, motion, ours
+from tests.exports.exported import EACH, RIG, InC, effect, in_python, motion, ours
 
 S0 = 0.3  # start [m]
 PHASE = 0.7  # [rad]
@@ -70,7 +70,7 @@ def test_spline_terms_equal_our_own(term: SplineTerm, tmp_path: Path) -> None:
     """Run each kind of spline term, in force and in friction, over four seconds."""
     from analytic.effects import motion_with
     from analytic.kernel import Grid
-    from harness.export.model import LONGEST_STEP
+    from harness.exports.model import LONGEST_STEP
     from harness.identify.filter.arguments import BeamTable
     from harness.identify.filter.free_run import free_runs
 
