@@ -7,6 +7,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from analytic.effects import SensorLaw
@@ -14,7 +16,7 @@ from analytic.motion import beam_states
 from analytic.quintic import QuinticMotion
 from harness.api.case import load_case
 from harness.errors import InputError
-from harness.exports.fmu import Fmi, fmu_bytes
+from harness.exports.fmu import VARIABLES, Fmi, fmu_bytes
 from harness.exports.model import of_effects
 from harness.preparation.recordings import observe
 from tests.exports.exported import RIG, effect, ours
@@ -62,6 +64,35 @@ def test_fmu_runs_as_our_own_kernel(fmi: Fmi, which: str, tmp_path: Path) -> Non
     expected = SensorLaw(delay=model.sensor.delay).recorded(dense, expected) if model.sensor.delay else expected
     np.testing.assert_allclose(told["time"], dense, atol=1e-9)
     np.testing.assert_allclose(told["position"], expected, atol=MICROMETRE)
+
+
+def test_a_step_can_be_made_again(tmp_path: Path) -> None:
+    """Repeat a step with another size as if it were the first, and refuse to go back in time."""
+    file = tmp_path / "ball_beam.fmu"
+    file.write_bytes(fmu_bytes(of_effects(RIG, [effect("channel_delay")]), 2, ""))
+    token, folder = fmpy.read_model_description(str(file)).guid, fmpy.extract(str(file), str(tmp_path / "fmu"))
+    number = {one.name: one.number for one in VARIABLES}
+    outputs = [number[name] for name in ("position", "ball_position", "ball_velocity")]
+
+    def begun() -> FMU2Slave:
+        one = FMU2Slave(guid=token, unzipDirectory=folder, modelIdentifier="ball_beam", instanceName="one")
+        one.instantiate()
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.setReal([number["start_position"], number["angle"]], [0.3, 0.02])
+        one.exitInitializationMode()
+        return one
+
+    again, straight = begun(), begun()
+    for one, steps in ((again, [(0.0, 0.01), (0.01, 0.02), (0.01, 0.05)]), (straight, [(0.0, 0.01), (0.01, 0.05)])):
+        for time, step in steps:
+            one.doStep(currentCommunicationPoint=time, communicationStepSize=step)
+    assert again.getReal(outputs) == straight.getReal(outputs)
+    with pytest.raises(FMICallException):
+        again.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.01)
+    for one in (again, straight):
+        one.terminate()
+        one.freeInstance()
 
 
 def test_same_model_gives_the_same_file() -> None:

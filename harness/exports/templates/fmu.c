@@ -71,6 +71,10 @@ static int step(model_t *m, double time, double h) {
     if (bb_step(&m->base, time, now)) return FAULT;
     m->begun = 2;
     if (keep(m, m->n - 1, &m->base)) return FAULT;
+  } else if (time < m->base.time) {
+    return FAULT; /* it cannot go back */
+  } else {
+    m->n--; /* the step is made again, perhaps with another size */
   }
   if (m->begun == 2) jerk = (now.angular - m->last.angular) / (time - m->last_time);
   then.angular = now.angular + jerk * h;
