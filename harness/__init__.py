@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from harness.api.case import Case, load_case
     from harness.api.comparison import Comparison, compare
     from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.export import Export, export
     from harness.api.importing import Imported, import_recording
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
@@ -34,6 +35,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.comparison": ("compare", "Comparison"),
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
+    "harness.api.export": ("export", "Export"),
     "harness.api.replay": ("replay", "Replayed"),
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
@@ -50,6 +52,7 @@ __all__ = [
     "Diagnosis",
     "Effect",
     "EngineFailure",
+    "Export",
     "Force",
     "HarnessError",
     "Imported",
@@ -63,6 +66,7 @@ __all__ = [
     "check_scene",
     "compare",
     "diagnose",
+    "export",
     "import_recording",
     "load_case",
     "load_diagnosis",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analytic import slots
+from analytic.effects.code import Code
 from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.force import Values
 from analytic.effects.parameter import Parameter
@@ -23,6 +24,7 @@ BALL_IMBALANCE = Effect(
     "statics of a ball whose centre of mass lies e off its centre",
     write=adding(lambda k, rig, v: {slots.IMBALANCE: k * rig.gravity * v["offset"] / rig.rolling_radius}),
     turning=True,
+    code=Code(force="GRAVITY * {offset} / ROLLING_RADIUS * sin(phi)"),
     phrase="a ball out of balance by {offset}",
     relations=Relations(once=True, nested_in=(("roll_angle", False),)),
 )
@@ -54,6 +56,7 @@ CONTACT_SLIP = Effect(
     (Parameter("friction_coefficient", "1", 0.0, 2.0, 0.03, starts=(0.004, 0.008, 0.015, 0.03)),),
     "Coulomb, 1785; two contacts that lean carry N R/r together",
     write=adding(lambda k, rig, v: {slots.TRACTION: v["friction_coefficient"] * rig.radius / rig.rolling_radius}),
+    code=Code(inner="slip"),
     phrase="a slip of the ball at a friction coefficient of {friction_coefficient}",
     relations=Relations(once=True),
     engine=EngineEntry(
@@ -83,6 +86,7 @@ ECCENTRIC_PIVOT = Effect(
     ),
     "the paper, eq. 14 against eq. 3",
     write=_pivot,
+    code=Code(lever="{eccentricity} + ROLLING_RADIUS + INERTIA / (MASS * ROLLING_RADIUS)"),
     phrase="a pivot eccentricity of {eccentricity}",
     relations=Relations(once=True, in_baseline=lambda model: model.eccentric),
 )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.compiled import njit
+from analytic.effects.code import Code
 from analytic.effects.effect import Effect, Relations, Transmission
 from analytic.effects.following import CurvedMotion, held, lagged
 from analytic.effects.parameter import Parameter
@@ -79,6 +80,7 @@ ANGLE_GAIN = Effect(
     (Parameter("gain", "1", 0.1, 10.0, 0.95, neutral=1.0, usual=(0.5, 2.0)),),
     "a scale error of the angle sensor or its gear",
     transmission=lambda values: Transmission(gain=values["gain"]),
+    code=Code(stage="gain"),
     phrase="a gain of {gain} between measured and real beam angle",
     relations=Relations(stands_for="ratio"),
 )
@@ -101,6 +103,7 @@ LINKAGE_BACKLASH = Effect(
     ),
     "Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989",
     transmission=lambda values: Transmission(play=values["width"]),
+    code=Code(stage="play"),
     phrase="a linkage backlash of {width}",
 )
 ANGLE_LAG = Effect(
@@ -114,6 +117,7 @@ ANGLE_LAG = Effect(
     ),
     "first-order low pass",
     turn=lambda motion, stamps, values: lagged(motion, stamps, values["time_constant"]),
+    code=Code(stage="lag"),
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
     relations=Relations(once=True),
 )
@@ -127,6 +131,7 @@ ANGLE_NONLINEARITY = Effect(
     ),
     "geometry of a crank linkage or a servo horn, to third order",
     turn=lambda motion, stamps, values: CurvedMotion(motion, values["square"], values["cube"]),
+    code=Code(stage="curve"),
     phrase="a curve between measured and real beam angle of {square} α² and {cube} α³",
     relations=Relations(once=True),
 )
@@ -137,6 +142,7 @@ ANGLE_HOLD = Effect(
     (Parameter("interval", "s", 0.0, 0.5, 0.1, starts=(0.05,), strength=True, shown=("ms", 1e3)),),
     "zero-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, 1998, chapter 4",
     turn=lambda motion, stamps, values: held(motion, stamps, values["interval"]),
+    code=Code(stage="hold"),
     phrase="a beam that holds its angle in steps of {interval}",
     relations=Relations(once=True),
 )

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from analytic import slots
+from analytic.effects.code import Code
 from analytic.effects.force import EffectError, Force, Values
 from analytic.effects.parameter import Parameter
 from analytic.effects.sensor_law import SensorLaw
@@ -110,6 +111,7 @@ class Effect:
         phrase: what it is called with its values in it, by parameter; {declared} is where its first one does nothing.
         relations: to other effects, the rig and the baseline.
         engine: how it enters the engines' scenes.
+        code: how exported source writes it; what alters the rig or the sensor needs none, as these are numbers there.
 
     Raises:
         EffectError: a name that is none, no parameter or one twice, no law, or an effect that does nothing.
@@ -131,6 +133,7 @@ class Effect:
     phrase: str = ""
     relations: Relations = Relations()
     engine: EngineEntry = EngineEntry()
+    code: Code | None = None
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier():
@@ -146,6 +149,12 @@ class Effect:
             raise EffectError(
                 f"{self.name}: does nothing; give it a force, or alter, turn, transmission, sensor or write"
             )
+
+    @property
+    def exportable(self) -> bool:
+        """Whether source code can be written of it: of a force that only Python knows it cannot."""
+        known = self.code is not None or self.alter is not None or self.sensor is not None
+        return known and self.force is None
 
     @property
     def by_recording(self) -> Parameter | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from analytic import slots
+from analytic.effects.code import Code
 from analytic.effects.effect import Effect, Relations, adding
 from analytic.effects.parameter import Parameter
 from analytic.effects.track import LEVEL_ERROR
@@ -14,6 +15,11 @@ _DRY = (("position", True), ("roll_angle", True), ("time", True))
 
 STEEP = 0.05
 """A friction, as a share of the normal force, that holds a ball on a slope of 3°: where one rolls it is implausible."""
+# as in the kernel: a friction that falls with the velocity
+_STRIBECK = (
+    "{kinetic_coefficient} + fmax({static_coefficient} - {kinetic_coefficient}, 0.0)"
+    " * exp(-(v / {stribeck_velocity}) * (v / {stribeck_velocity}))"
+)
 _SLOW = 0.1  # a drag is implausible if it lets the ball roll no faster down that slope [m/s]
 
 
@@ -39,6 +45,7 @@ VISCOUS_DAMPING = Effect(
     ),
     "Stokes, Trans. Cambridge Phil. Soc. 9, 1851",
     write=adding(lambda k, rig, v: {slots.VISCOUS: k * v["coefficient"] / rig.mass}),
+    code=Code(force="-({coefficient} / MASS * v)"),
     phrase="a viscous damping of {coefficient}",
     relations=Relations(common=True, nested_in=_OF_VELOCITY),
 )
@@ -59,6 +66,7 @@ QUADRATIC_DRAG = Effect(
     ),
     "Rayleigh, Phil. Mag. 2, 1876",
     write=adding(lambda k, rig, v: {slots.QUADRATIC: k * v["coefficient"] / rig.mass}),
+    code=Code(force="-({coefficient} / MASS * fabs(v) * v)"),
     phrase="a quadratic drag of {coefficient}",
     relations=Relations(nested_in=_OF_VELOCITY),
 )
@@ -69,6 +77,7 @@ ROLLING_RESISTANCE = Effect(
     "Johnson, Contact Mechanics, 1985, section 9.1",
     write=adding(lambda k, rig, v: {slots.DRY_PLUS: v["coefficient"], slots.DRY_MINUS: v["coefficient"]}),
     dry=True,
+    code=Code(dry=("{coefficient}", "{coefficient}")),
     phrase="a rolling resistance of {coefficient}",
     relations=Relations(common=True, nested_in=_DRY),
 )
@@ -79,6 +88,7 @@ DIRECTIONAL_RESISTANCE = Effect(
     "as rolling resistance, on a surface with a lay",
     write=adding(lambda k, rig, v: {slots.DRY_PLUS: v["coefficient_plus"], slots.DRY_MINUS: v["coefficient_minus"]}),
     dry=True,
+    code=Code(dry=("{coefficient_plus}", "{coefficient_minus}")),
     phrase="a rolling resistance of {coefficient_plus} towards +s, {coefficient_minus} towards −s",
     # on a beam that is not level a resistance differs by direction
     relations=Relations(nested_in=_DRY, splits_into=(ROLLING_RESISTANCE, LEVEL_ERROR)),
@@ -103,6 +113,7 @@ STRIBECK_FRICTION = Effect(
         }
     ),
     dry=True,
+    code=Code(dry=(_STRIBECK, _STRIBECK), falling=True),
     phrase="a Stribeck friction that falls from {static_coefficient} at rest to {kinetic_coefficient}, "
     "within {stribeck_velocity},",
     # friction that grows with speed from what it is at rest is resistance and drag
@@ -118,6 +129,7 @@ PRESLIDING_HYSTERESIS = Effect(
     ),
     "Dahl, A Solid Friction Model, 1968",
     write=adding(lambda k, rig, v: {slots.DAHL: v["coefficient"], slots.DAHL_STIFFNESS: k * v["stiffness"] / rig.mass}),
+    code=Code(inner="dahl"),
     phrase="a rolling resistance of {coefficient} with an elastic presliding of {stiffness}",
     relations=Relations(once=True, nested_in=_DRY),
 )

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from analytic import slots
+from analytic.effects.code import Code
 from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.parameter import Parameter
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
 _WIDEST = 0.1  # bump [m]
+_PLACE = "((s - {centre}) / {width})"  # on a bump, in source code
 _OF_POSITION = (("position", False),)
 
 
@@ -35,6 +37,7 @@ LEVEL_ERROR = Effect(
     (Parameter("angle", "rad", -0.2, 0.2, 0.003, starts=(0.0,), strength=True, shown=("°", float(np.degrees(1.0)))),),
     "the paper, eq. 18, 19",
     write=adding(lambda k, rig, v: {slots.LEVEL: v["angle"]}),
+    code=Code(tilt="{angle}"),
     phrase="a level error of {angle}",
     relations=Relations(stands_for="level", nested_in=_OF_POSITION),
     engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
@@ -56,6 +59,7 @@ LEVEL_PER_RECORDING = Effect(
     ),
     "the paper, eq. 18, 19; a rig that is put up anew, or whose angle is counted from another zero",
     write=adding(lambda k, rig, v: {slots.LEVEL: v["spread"]}),
+    code=Code(tilt="{spread}"),
     phrase="a level that differs between recordings by {spread}",
     relations=Relations(once=True),
     engine=EngineEntry("force on the ball, as a tilt of gravity gives it"),
@@ -77,6 +81,7 @@ LEVEL_DRIFT = Effect(
     ),
     "geometry: a support that gives way, or warms up",
     tilting=lambda values: values["rate"],
+    code=Code(stage="drift"),
     phrase="a level that drifts by {rate} in each recording",
     relations=Relations(nested_in=(("time", False),)),
 )
@@ -87,6 +92,7 @@ BEAM_COMPLIANCE = Effect(
     (Parameter("compliance", "rad/(N m)", -1.0, 1.0, 0.02, starts=(0.0,), strength=True, usual=(0.0, 0.2)),),
     "Timoshenko, Strength of Materials, 1930: end rotation under a moment",
     write=adding(lambda k, rig, v: {slots.COMPLIANCE: v["compliance"] * rig.mass * rig.gravity}),
+    code=Code(tilt="{compliance} * MASS * GRAVITY * s"),
     phrase="a beam compliance of {compliance}",
     relations=Relations(common=True, nested_in=_OF_POSITION),
 )
@@ -99,6 +105,7 @@ TRACK_CURVATURE = Effect(
     ),
     "geometry of a circular track, small angles",
     write=adding(lambda k, rig, v: {slots.CURVATURE: v["curvature"], slots.CURVATURE_CENTRE: v["centre"]}),
+    code=Code(tilt="{curvature} * ({centre} - s)"),
     phrase="a track curvature of {curvature} about s = {centre}",
     # a beam that bends is a bowl with its centre elsewhere
     relations=Relations(once=True, nested_in=_OF_POSITION, splits_into=(LEVEL_ERROR, BEAM_COMPLIANCE)),
@@ -125,6 +132,7 @@ TRACK_BUMP = Effect(
     write=adding(
         lambda k, rig, v: {slots.BUMP_HEIGHT: v["height"], slots.BUMP_CENTRE: v["centre"], slots.BUMP_WIDTH: v["width"]}
     ),
+    code=Code(tilt=f"{{height}} / {{width}} * {_PLACE} * exp(-0.5 * {_PLACE} * {_PLACE})"),
     phrase="a bump of the track of {height} at s = {centre}, {width} wide,",
     relations=Relations(once=True, nested_in=_OF_POSITION),
 )

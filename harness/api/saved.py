@@ -44,6 +44,11 @@ class LoadedDiagnosis(Summarised):
         self.record, self.origin, self._own = record, origin, tuple(effects)
 
     @property
+    def own_effects(self) -> tuple[Given, ...]:
+        """Effects of one's own that the model may name."""
+        return self._own
+
+    @property
     def verdict(self) -> str:
         """`none`, `effect`, `unlisted` or `not_identifiable`."""
         return self.record.verdict

@@ -17,6 +17,7 @@ import click
 
 from analytic.motion import State
 from harness.cli.check_scene import check_scene
+from harness.cli.export import export
 from harness.cli.import_ import import_
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
 from harness.cli.sweep import sweep
@@ -125,6 +126,7 @@ def main() -> None:
       harness run swing.csv             one recording of the paper's rig
       harness diagnose my_rig/          missing physics by name, with parameters and intervals
       harness predict reports/my_rig/ my_rig/rec_03.csv
+      harness export reports/my_rig/ --to fmu
       harness replay reports/my_rig/ my_rig/
       harness simulate --out virtual/ --imperfect
       harness tune my_rig/              contact parameters of an engine, with intervals
@@ -402,3 +404,4 @@ main.add_command(sweep)
 main.add_command(tune)
 main.add_command(check_scene)
 main.add_command(import_)
+main.add_command(export)

@@ -94,6 +94,17 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
     return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found
 
 
+def read_terms(kept: ModelRecord, origin: str) -> tuple[Problem, Fit]:
+    """The problem and fit of a model without a recording: for its effects and values alone, not to predict with.
+
+    Raises:
+        InputError: as `read_model`.
+    """
+    # Some bounds follow from where the ball has been; `_check_parameters` also takes those of the effect itself.
+    blank = PreparedRecording("", np.array([0.0, 1.0]), np.array([0.1, 0.5]), None)  # type: ignore[arg-type]
+    return read_model(kept, blank, origin)
+
+
 def _hypothesis(kept: ModelRecord, origin: str) -> Hypothesis:
     """The terms of the model, without values."""
     _in_catalogue(kept.effects, origin)

@@ -1,0 +1,58 @@
+"""The identified rig as MJCF and URDF, with the effects that the format carries."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.geometry import channel_of
+from analytic.rig import Rig
+from harness.engines.injection import engine_settings
+from harness.engines.mujoco_parameters import MuJoCoParameters
+from harness.exports.carried import levels, scene_effects
+from harness.exports.model import ExportModel
+from harness.exports.source import render
+from mjcf.scene import make_scene
+from urdf.scene import ball_urdf, beam_urdf
+
+MJCF_FILE, BEAM_FILE, BALL_FILE, LOADER_FILE = "ball_beam.xml", "ball_beam.urdf", "ball.urdf", "load_in_pybullet.py"
+
+_FEWEST = 100  # iterations of Bullet's solver
+
+
+def scene_rig(model: ExportModel, *, slips: bool) -> Rig:
+    """The rig of the scene: with the effects that change it, and all constant tilts in its level angle."""
+    kept = scene_effects(model, slips=slips)
+    tilt = math.fsum(one.values[one.effect.parameters[0].name] for one in kept if levels(one.effect))
+    return model.rig.with_(level_angle=model.rig.level_angle + tilt)
+
+
+def _iterations(rig: Rig) -> int:
+    """Of Bullet's solver, which leaves cos² 2β of an error each for contacts that lean by β: exp(−6) of it."""
+    return _FEWEST if channel_of(rig).flat else max(_FEWEST, math.ceil(1.5 / rig.contact_angle**2))
+
+
+def mjcf_files(model: ExportModel) -> dict[str, str]:
+    """Text by name of the scene for MuJoCo, its viewer included: a servo turns the beam, stops end the track."""
+    rig = scene_rig(model, slips=True)
+    settings = engine_settings(scene_effects(model, slips=True), "mujoco")
+    if not settings:
+        return {MJCF_FILE: make_scene(rig)}
+    contact = MuJoCoParameters(**settings)
+    return {MJCF_FILE: make_scene(rig, option=contact.option(rig), pair=contact.pair(rig))}
+
+
+def urdf_files(model: ExportModel) -> dict[str, str]:
+    """Text by name of beam, ball, and a loader for PyBullet, which has what URDF has not: gravity and the start."""
+    rig = scene_rig(model, slips=False)
+    gravity = (rig.gravity * math.sin(rig.level_angle), 0.0, -rig.gravity * math.cos(rig.level_angle))
+    loader = render(
+        "load_in_pybullet.py.jinja",
+        {
+            "beam": BEAM_FILE,
+            "ball": BALL_FILE,
+            "gravity": gravity,
+            "iterations": _iterations(rig),
+            "height": rig.eccentricity + rig.rolling_radius,
+        },
+    )
+    return {BEAM_FILE: beam_urdf(rig), BALL_FILE: ball_urdf(rig), LOADER_FILE: loader}

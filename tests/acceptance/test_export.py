@@ -1,0 +1,117 @@
+"""`harness export`: what a user gets in each format, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harness as api
+from harness.api.export import FORMATS, README, RECORD
+from harness.errors import InputError
+from harness.exports.model import LONGEST_STEP
+from tests.acceptance.conftest import Harness
+from tests.exports.exported import motion, ours
+
+SEED = Path(__file__).parents[2] / "benchmarks" / "fuzz" / "seeds" / "diagnosis.json"
+
+
+@pytest.fixture
+def diagnosis(tmp_path: Path) -> Path:
+    """A folder with a diagnosis that found a rolling resistance."""
+    folder = tmp_path / "report"
+    folder.mkdir()
+    (folder / "diagnosis.json").write_bytes(SEED.read_bytes())
+    return folder
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_every_format_is_written_and_told(harness: Harness, diagnosis: Path, to: str) -> None:
+    """Write all files, a README that names the effect, and the record; write the same again over it."""
+    done = harness("export", diagnosis, "--to", to, "--json")
+    assert done.code == 0, done.err
+    told = json.loads(done.out)
+    folder = diagnosis / f"export_{to}"
+    assert {one.name for one in folder.iterdir()} == set(told["files"]) >= {README, RECORD}
+    text = (folder / README).read_text(encoding="utf-8")
+    assert "rolling_resistance: " in text
+    assert ("NOT CARRIED" in text) == (not told["complete"])
+    before = {one.name: one.read_bytes() for one in folder.iterdir()}
+    again = harness("export", diagnosis, "--to", to)
+    assert again.code == 0, again.err
+    assert before == {one.name: one.read_bytes() for one in folder.iterdir()}
+
+
+def test_a_changed_file_is_not_replaced(harness: Harness, diagnosis: Path) -> None:
+    """Exit with 2 where the user changed the source, and replace it with --force."""
+    assert harness("export", diagnosis, "--to", "c").code == 0
+    source = diagnosis / "export_c" / "ball_beam.c"
+    source.write_text("mine", encoding="utf-8")
+    done = harness("export", diagnosis, "--to", "c")
+    assert done.code == 2
+    assert "ball_beam.c: exists, and this command did not write it" in done.err
+    assert source.read_text(encoding="utf-8") == "mine"
+    assert harness("export", diagnosis, "--to", "c", "--force").code == 0
+    assert source.read_text(encoding="utf-8") != "mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--to", "matlab"), "matlab"),
+        (("--to", "c", "--pade", "2"), "are for statespace, not for c"),
+        (("--to", "statespace", "--pade", "2"), "no Padé approximation: there is no delay"),
+        (("--to", "statespace", "--at", "place=3"), "write position=0.1,angle=0"),
+        (("--to", "statespace", "--at", "position=nan"), "not a finite number"),
+    ],
+)
+def test_bad_use_is_one_message(harness: Harness, diagnosis: Path, options: tuple[str, ...], message: str) -> None:
+    """Exit with 2, say what is wrong, write nothing."""
+    done = harness("export", diagnosis, *options)
+    assert done.code == 2
+    assert message in done.err
+    assert [one.name for one in diagnosis.iterdir()] == ["diagnosis.json"]
+
+
+def test_missing_compiler_leaves_nothing(harness: Harness, diagnosis: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit with 2 where no FMU can be built, and write nothing."""
+    monkeypatch.setenv("CC", "no_such_compiler")
+    done = harness("export", diagnosis, "--to", "fmu")
+    assert done.code == 2
+    assert "no C compiler" in done.err
+    assert [one.name for one in diagnosis.iterdir()] == ["diagnosis.json"]
+
+
+def test_exported_source_runs_as_the_readme_says(diagnosis: Path, tmp_path: Path) -> None:
+    """Run the Python and the compiled C on rows, and find the run of our own kernel with what was diagnosed."""
+    kept = api.load_diagnosis(diagnosis)
+    made = {to: api.export(kept, to, out=tmp_path / to) for to in ("c", "python")}  # type: ignore[arg-type]
+    beam = motion()
+    rows = np.column_stack((beam.time, beam.states))
+    text = "\n".join(",".join(f"{one:.17g}" for one in row) for row in rows)
+    program = tmp_path / "ball_beam"
+    sources = [made["c"].folder / name for name in ("main.c", "ball_beam.c")]
+    subprocess.run([os.environ.get("CC", "cc"), "-O2", "-o", program, *sources, "-lm"], check=True)
+    expected = ours(made["c"].model.declared_rig, made["c"].model.acting, beam, 0.36)
+    assert LONGEST_STEP >= 0.01
+    for command in ([program], [sys.executable, made["python"].folder / "ball_beam.py"]):
+        done = subprocess.run([*command, "0.36"], input=text, capture_output=True, text=True, check=True)
+        told = [float(line.split(",")[1]) for line in done.stdout.splitlines()[1:]]
+        np.testing.assert_allclose(told, expected, atol=1e-9)  # nine decimals are printed
+        for wrong in ("1,2,3\n", "0,0\n0,0.1\n", ""):
+            refused = subprocess.run([*command, "0.36"], input=wrong, capture_output=True, text=True, check=False)
+            assert refused.returncode == 2
+            assert refused.stderr.count("\n") == 1
+
+
+def test_python_interface_refuses_what_there_is_not(diagnosis: Path) -> None:
+    """Raise the project's error for a format or an FMI version that there is not."""
+    with pytest.raises(InputError, match="no format 'matlab'"):
+        api.export(diagnosis, "matlab")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="no FMI 1"):
+        api.export(diagnosis, "fmu", fmi=1)  # type: ignore[arg-type]
