@@ -45,6 +45,8 @@ $(LOCKED): requirements.lock
 $(INSTALLED): $(LOCKED) pyproject.toml
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-index --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m pip check || { echo 'requirements.lock is behind pyproject.toml: make lock' >&2; exit 1; }
+	@echo 'Compiling the kernels once (about a minute) ...'
+	@$(BIN)/harness compile
 	@touch $@
 
 .PHONY: report

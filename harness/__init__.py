@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from analytic.effects import Acting, Effect, Force, Parameter
     from harness.api.case import Case, load_case
     from harness.api.comparison import Comparison, compare
+    from harness.api.compilation import Compilation, compile_kernels
     from harness.api.diagnosis import Diagnosis, diagnose
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
@@ -36,6 +37,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
     "harness.api.scene": ("check_scene", "SceneCheck"),
+    "harness.api.compilation": ("compile_kernels", "Compilation"),
     "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
     "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
@@ -45,6 +47,7 @@ __all__ = [
     "Acting",
     "Case",
     "Comparison",
+    "Compilation",
     "Diagnosis",
     "Effect",
     "EngineFailure",
@@ -59,6 +62,7 @@ __all__ = [
     "Tuning",
     "check_scene",
     "compare",
+    "compile_kernels",
     "diagnose",
     "load_case",
     "load_diagnosis",

@@ -17,6 +17,7 @@ import click
 
 from analytic.motion import State
 from harness.cli.check_scene import check_scene
+from harness.cli.compile import compile_
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
 from harness.cli.sweep import sweep
 from harness.cli.termination import terminable
@@ -129,6 +130,7 @@ def main() -> None:
       harness tune my_rig/              contact parameters of an engine, with intervals
       harness sweep sweep.toml          many runs over settings, step sizes, rigs and recordings
       harness check-scene my_rig/       a scene of your own, see docs/scenes.md
+      harness compile                   kernels, once, so that the first command need not wait
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
     no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
@@ -399,3 +401,4 @@ def simulate(out: Path, **options: Any) -> None:
 main.add_command(sweep)
 main.add_command(tune)
 main.add_command(check_scene)
+main.add_command(compile_)
