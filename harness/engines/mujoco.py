@@ -203,6 +203,8 @@ def _step_by_step(
     first: int,
 ) -> _Log:
     """The log with the steps from `first` on, which begin at the state of `data`; up to an early stop."""
+    if first == task.grid.steps:
+        return log
     poses, forces, clock, controls = log.pose, log.force, log.clock, turns.tolist()
     pose, control, sensors, step = data.qpos, data.ctrl, data.sensordata, mujoco.mj_step
     push = None if task.force is None else _Push(task.force, task.grid, task.first, data)
