@@ -118,6 +118,14 @@ fuzz: $(INSTALLED) ## change good inputs at random for SECONDS=600: each has a r
 calibrate: $(INSTALLED) ## diagnose some 800 simulated rigs blind and tabulate how often that is right (some two hours)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
 
+.PHONY: bench
+bench: $(INSTALLED) ## time kernel, engines and commands beside what else one would use: docs/performance.md (a quarter of an hour)
+	$(BIN)/python -m benchmarks.performance $(ARGS)
+
+.PHONY: accuracy
+accuracy: $(INSTALLED) ## errors of the engines over 100 random beam motions: docs/accuracy.md
+	$(BIN)/python -m benchmarks.accuracy --jobs $(JOBS) $(ARGS)
+
 .PHONY: sensitivity
 sensitivity: $(INSTALLED) ## halve and double every setting of the search on a few blind trials: docs/settings.md (half an hour)
 	$(BIN)/python -m benchmarks.sensitivity --jobs $(JOBS) $(ARGS)
