@@ -14,8 +14,8 @@ SECTION = "accuracy"
 SCHEME = "the equation itself, by leapfrog"
 _NAMES = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "dart": "DART", SCHEME: f"({SCHEME})"}
 _DRAW = (
-    "{motions} random beam motions of 10 s (one to three sines of 0.1 to 1.5 Hz and up to 5° in all, let in by a ramp of "
-    "0.2 to 3 s; the ball gets up to {farthest:.1f} m from the pivot)"
+    "{motions} random beam motions of 10 s (one to three sines of 0.1 to 1.5 Hz and up to 5° in all, let in by a ramp "
+    "of 0.2 to 3 s; the ball gets up to {farthest:.1f} m from the pivot)"
 )
 _HEAD = (
     """\
@@ -97,12 +97,12 @@ def _limits(told: dict[str, Any]) -> str:
     steps = sorted({step for _, step in errors})
     lines = [
         "## What limits it\n",
-        "A run of an engine is a leapfrog scheme (semi-implicit Euler with velocities half a step early) that knows the "
-        "beam's angle at the steps and nothing between them. The last rows of the table are that scheme without an "
+        "A run of an engine is a leapfrog scheme (semi-implicit Euler with velocities half a step early) that knows "
+        "the beam's angle at the steps and nothing between them. The last rows of the table are that scheme without an "
         "engine: eq. 14 with mean rates of a step in place of α̇, the mean of their squares before and after in place "
         "of α̇², second differences in place of α̈. Its error stems from these means: they exceed s α̇² by "
         "¼ s α̈² dt² and more, and the centrifugal term lets whatever displaces the ball grow. No contact is in it.\n",
-        "| | exponent of the step, median | over the error of the scheme, median (quartiles) | on its ten worst motions |",
+        "| | exponent of the step, median | over the scheme's error, median (quartiles) | on its ten worst motions |",
         "|---|---|---|---|",
     ]
     for name in dict.fromkeys(row["engine"] for row in told["rows"]):
@@ -118,7 +118,7 @@ def _limits(told: dict[str, Any]) -> str:
         lines.append(f"| {_NAMES[name]} | {np.nanmedian(exponents):.2f} | {own} |")
     lines.append(
         f"\nThe exponent is that of the error between {steps[-1]:g} and {steps[0]:g} s, the other columns are at "
-        f"{steps[-1]:g} s. An exponent of 2 says that the steps limit an engine; a smaller one that something else does."
+        f"{steps[-1]:g} s. An exponent of 2 says that the steps are the limit; a smaller one that something else is."
     )
     return "\n".join(lines) + "\n"
 
