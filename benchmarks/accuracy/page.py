@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.growth.page import machine
-from benchmarks.sections import put
+from benchmarks.sections import apart, put
 
 SECTION = "accuracy"
 SCHEME = "the equation itself, by leapfrog"
@@ -84,7 +84,9 @@ def page(told: dict[str, Any]) -> str:
 
 def in_readme(told: dict[str, Any], readme: str) -> str:
     """The README with the section."""
-    return put(SECTION, _README.format(**_drawn(told)) + table(told).rstrip("\n"), readme, title="README")
+    return apart(
+        SECTION, put(SECTION, _README.format(**_drawn(told)) + table(told).rstrip("\n"), readme, title="README")
+    )
 
 
 def _drawn(told: dict[str, Any]) -> dict[str, Any]:

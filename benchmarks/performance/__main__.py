@@ -97,7 +97,11 @@ def _of_engines(pairs: int) -> list[Line]:
     loop = "a loop in Python over the same scene that sets the beam's acceleration, steps and logs positions"
     pushed = loop + ", with the same viscous force evaluated and applied at each step in both"
     driven = "a loop in Python over the same scene that sets the beam's angle and rate, steps and logs positions"
-    extra = "What is beside the steps: grid, positions in the beam's frame, interpolation to the stamps, health."
+    beside = (
+        "Beside the steps there are the grid, positions in the beam's frame, interpolation to the stamps, and health."
+    )
+    extra = f"{beside} Shares of a run in a profile: {engines.profile('mujoco', 60.0)}."
+    of_pybullet = f"{beside} Shares of a run in a profile: {engines.profile('pybullet', 20.0)}."
     force = "The velocity that the force is given is that at the instant, extrapolated; it is computed in Python."
     variants = (
         "64 runs of 10 s at 1 ms with as many coefficients of friction in two threads (`harness.engines.many`), all "
@@ -118,7 +122,7 @@ def _of_engines(pairs: int) -> list[Line]:
         ),
         Line.times(
             "PyBullet, time over that of a bare loop in Python", 1.10, engines.pybullet_against_loop(pairs),
-            _ENGINE.format(seconds=20, other=driven), extra,
+            _ENGINE.format(seconds=20, other=driven), of_pybullet,
         ),
         Line.speed(
             "64 MuJoCo variants on two cores, speed over that of `mujoco.rollout` in two threads", 0.95,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cProfile
+import pstats
 import time
 from dataclasses import dataclass
 from functools import partial
@@ -27,6 +29,7 @@ from harness.engines.watch import limits_of
 _DT = 1e-3  # [s]
 _VISCOUS = 0.02  # [N s/m]
 _THREADS = 2
+_LISTED = 6  # functions of a profile
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,8 @@ def pybullet_loop(seconds: float) -> FloatArray:
         )
         beam, ball, joints, log = scene.beam, scene.ball, scene.joints, np.empty((task.grid.steps, 3))
         turned, turning, still = [0.0], [0.0], [0.0]
-        values, rates = [turned, still, still], [turning, still, still]
+        # The joints that slide get off what gravity adds in a step.
+        values, rates = [turned, still, still], [turning, [-scene.sag[0]], [-scene.sag[1]]]
         for n, (angle, rate) in enumerate(zip(task.grid.angle.tolist(), task.grid.rate.tolist(), strict=False)):
             turned[0], turning[0] = angle, rate
             set_joints(beam, joints, values, rates, client)
@@ -139,6 +143,22 @@ def pybullet_loop(seconds: float) -> FloatArray:
 
 def _viscous(s: float, v: float, angle: float, time: float) -> float:
     return -_VISCOUS * v
+
+
+def profile(name: str, seconds: float) -> str:
+    """Where the time of an engine's run goes by a profile: its largest functions with their shares, in words."""
+    engine, told = engine_of(name), cProfile.Profile()
+    _ours(engine, seconds)
+    told.runcall(_ours, engine, seconds)
+    entries = pstats.Stats(told).get_stats_profile()
+    largest = sorted(entries.func_profiles.items(), key=lambda one: -one[1].tottime)[:_LISTED]
+    shares = (f"`{_bare(title)}` {100.0 * one.tottime / entries.total_tt:.1f} %" for title, one in largest)
+    return ", ".join(shares)
+
+
+def _bare(title: str) -> str:
+    """`mujoco._batch.rollout` of a profile's `<built-in method mujoco._batch.rollout>`."""
+    return title.strip("{}<>").removeprefix("built-in method ").replace("method ", "").replace("'", "")
 
 
 def against_loop(pairs: int, seconds: float = 60.0) -> list[Pair]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.growth.page import machine
 from benchmarks.performance.pairs import Pair, spread
-from benchmarks.sections import put
+from benchmarks.sections import apart, put
 
 SECTION = "performance"
 _HEAD = """\
@@ -109,7 +109,7 @@ def in_readme(told: dict[str, Any], readme: str) -> str:
     pairs = min(len(line["values"]) for line in told["lines"])
     left_out = "".join(f"\nNot measured: {one}\n" for one in told["left_out"])
     text = _README.format(pairs=pairs, machine=_machine(told)) + table(told) + left_out
-    return put(SECTION, text.rstrip("\n"), readme, title="README")
+    return apart(SECTION, put(SECTION, text.rstrip("\n"), readme, title="README"))
 
 
 def _machine(told: dict[str, Any]) -> str:
