@@ -123,7 +123,7 @@ bench: $(INSTALLED) ## time kernel, engines and commands beside what else one wo
 	$(BIN)/python -m benchmarks.performance $(ARGS)
 
 .PHONY: accuracy
-accuracy: $(INSTALLED) ## errors of the engines over 100 random beam motions: docs/accuracy.md
+accuracy: $(INSTALLED) ## errors of the engines over 100 random beam motions: docs/accuracy.md (5 to 20 min)
 	$(BIN)/python -m benchmarks.accuracy --jobs $(JOBS) $(ARGS)
 
 .PHONY: sensitivity

@@ -5,8 +5,8 @@ with the second difference of the recorded angle, follows the recorded angle to 
 
 The validated accuracy requires (each with a test in `tests/engines/test_mujoco.py`, numbers in mjcf/README.md): initial
 velocities half a step early; a margin with which the soft contact carries the ball at its declared height; friction
-that removes 1.8 times the slip per step, because the contact frame lags by half a step; and low friction across the
-beam, so that the normal forces carry the load.
+that removes 1.8 times the slip per step or more, because the contact frame lags by half a step; and low friction across
+the beam, so that the normal forces carry the load.
 """
 
 from __future__ import annotations
@@ -122,8 +122,8 @@ def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
 def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
     """Sets the margin with which the contacts carry the ball at its declared height; returns the excess height [m].
 
-    Without a margin the ball sinks into its soft contacts, by 0.07 µm at dt = 1 ms with our defaults and by 0.3 mm with
-    MuJoCo's: that changes r, and s by 4 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
+    Without a margin the ball sinks into its soft contacts, by 0.2 µm at dt = 1 ms with our defaults and by 0.3 mm with
+    MuJoCo's: that changes r, and s by 14 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
     """
     data = mujoco.MjData(model)
     model.pair_margin[:] = 0.0
