@@ -45,6 +45,8 @@ $(LOCKED): requirements.lock
 $(INSTALLED): $(LOCKED) pyproject.toml
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-index --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m pip check || { echo 'requirements.lock is behind pyproject.toml: make lock' >&2; exit 1; }
+	@echo 'Compiling the kernels once (about a minute) ...'
+	@$(BIN)/harness compile
 	@touch $@
 
 BUNDLED := paper_protocol open_ball_beam
@@ -120,6 +122,14 @@ fuzz: $(INSTALLED) ## change good inputs at random for SECONDS=600: each has a r
 .PHONY: calibrate
 calibrate: $(INSTALLED) ## diagnose some 800 simulated rigs blind and tabulate how often that is right (some two hours)
 	$(BIN)/python -m benchmarks.calibration --jobs $(JOBS) $(ARGS)
+
+.PHONY: bench
+bench: $(INSTALLED) ## time kernel, engines and commands beside what else one would use: docs/performance.md (a quarter of an hour)
+	$(BIN)/python -m benchmarks.performance $(ARGS)
+
+.PHONY: accuracy
+accuracy: $(INSTALLED) ## errors of the engines over 100 random beam motions: docs/accuracy.md (5 to 20 min)
+	$(BIN)/python -m benchmarks.accuracy --jobs $(JOBS) $(ARGS)
 
 .PHONY: sensitivity
 sensitivity: $(INSTALLED) ## halve and double every setting of the search on a few blind trials: docs/settings.md (half an hour)

@@ -3,7 +3,8 @@
 numba's own checks only the file of the compiled function: where a function that it calls or a constant that it reads
 changes in another file, the old machine code would go on running. Here a digest of all sources of compiled code is part
 of the names of the cache's files. The rest is left to numba: `NUMBA_CACHE_DIR` or `__pycache__` or the user's cache
-folder, and one entry for each CPU, signature, version of Python and of numba.
+folder, and one entry for each CPU, signature, version of Python and of numba. Arrays that are strided or read-only have
+signatures of their own: where callers give either, `fixed` leaves one to compile.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numpy.typing import NDArray
 
-__all__ = ["njit"]
+__all__ = ["fixed", "njit"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 _ROOT = Path(__file__).parent.parent
@@ -33,6 +36,13 @@ def njit(*, cache: bool, **options: Any) -> Callable[[Function], Function]:
         return dispatcher
 
     return compiled
+
+
+def fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """The array as compiled code reads it: contiguous and read-only; a copy only where it is strided."""
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
 
 
 def sources() -> list[Path]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import slots
-from analytic.compiled import njit
+from analytic.compiled import fixed, njit
 from analytic.lean import GENERAL, SMOOTH, dry_run, path_of, smooth_run, tilts
 from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
@@ -165,7 +165,8 @@ def integrate(
     if np.any((first < 0) | (first > last) | (last >= len(grid.time))):
         raise ValueError(f"windows must satisfy 0 <= first <= last <= {len(grid.time) - 1}")
     out = np.full((count, len(grid.time), 2), np.nan)
-    _integrate(grid.steps, grid.marks, np.ascontiguousarray(tables), table_of, parameters, starts, first, last, out)
+    chosen, begins, ends = fixed(table_of), fixed(first), fixed(last)
+    _integrate(grid.steps, grid.marks, np.ascontiguousarray(tables), chosen, parameters, starts, begins, ends, out)
     return Runs(grid.time, out[..., 0], out[..., 1])
 
 

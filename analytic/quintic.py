@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import PPoly
 
-from analytic.compiled import njit
+from analytic.compiled import fixed, njit
 from analytic.motion import BeamMotion, FloatArray, beam_states
 
 
@@ -62,7 +62,7 @@ class QuinticMotion:
     def states_at(self, time: FloatArray) -> FloatArray:
         """α [rad], α̇ [rad/s], α̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
         out = np.empty((len(time), 3))
-        _evaluate(self.time, self.spline.c, time, out)
+        _evaluate(fixed(self.time), self.spline.c, fixed(time), out)
         return out
 
 

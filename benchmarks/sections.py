@@ -22,3 +22,9 @@ def put(name: str, text: str, page: str, *, title: str) -> str:
         before, _, rest = page.partition(begin)
         return before + marked + rest.partition(end)[2].lstrip("\n")
     return (page.rstrip("\n") + "\n\n" if page else f"# {title}\n\n") + marked
+
+
+def apart(name: str, page: str) -> str:
+    """The page with an empty line between this section and a heading that follows it."""
+    _, end = marks(name)
+    return page.replace(f"{end}\n#", f"{end}\n\n#")

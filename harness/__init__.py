@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from analytic.effects import Acting, Effect, Force, Parameter
     from harness.api.case import Case, load_case
     from harness.api.comparison import Comparison, compare
+    from harness.api.compilation import Compilation, compile_kernels
     from harness.api.diagnosis import Diagnosis, diagnose
     from harness.api.export import Export, export
     from harness.api.importing import Imported, import_recording
@@ -40,6 +41,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
     "harness.api.scene": ("check_scene", "SceneCheck"),
+    "harness.api.compilation": ("compile_kernels", "Compilation"),
     "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
     "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
@@ -49,6 +51,7 @@ __all__ = [
     "Acting",
     "Case",
     "Comparison",
+    "Compilation",
     "Diagnosis",
     "Effect",
     "EngineFailure",
@@ -65,6 +68,7 @@ __all__ = [
     "Tuning",
     "check_scene",
     "compare",
+    "compile_kernels",
     "diagnose",
     "export",
     "import_recording",

@@ -9,7 +9,7 @@ from math import factorial
 import numpy as np
 from scipy.interpolate import PPoly
 
-from analytic.compiled import njit
+from analytic.compiled import fixed, njit
 from analytic.motion import BeamMotion, FloatArray, beam_states
 from analytic.quintic import QuinticMotion, through
 
@@ -61,7 +61,7 @@ class LaggedMotion:
         out = np.empty(asked.size)
         settled = self._settled.derivative(order) if order else self._settled
         scale = (-1.0 / self.constant) ** order
-        _follow(self.base.time, settled.c, self._left, self.constant, scale, asked.ravel(), out)
+        _follow(fixed(self.base.time), settled.c, self._left, self.constant, scale, fixed(asked.ravel()), out)
         return out.reshape(np.shape(time))
 
     def evaluate(self, time: FloatArray) -> FloatArray:

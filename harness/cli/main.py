@@ -17,6 +17,7 @@ import click
 
 from analytic.motion import State
 from harness.cli.check_scene import check_scene
+from harness.cli.compile import compile_
 from harness.cli.export import export
 from harness.cli.import_ import import_
 from harness.cli.options import FiniteRange, PathType, Whole, number_in
@@ -133,6 +134,7 @@ def main() -> None:
       harness sweep sweep.toml          many runs over settings, step sizes, rigs and recordings
       harness check-scene my_rig/       a scene of your own, see docs/scenes.md
       harness import log.mat            a case of what Simulink, LabVIEW or an oscilloscope wrote
+      harness compile                   kernels, once, so that the first command need not wait
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
     no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
@@ -405,3 +407,4 @@ main.add_command(tune)
 main.add_command(check_scene)
 main.add_command(import_)
 main.add_command(export)
+main.add_command(compile_)

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from numpy.typing import NDArray
 
 from analytic.geometry import to_world
 from analytic.law import acceleration
@@ -175,7 +175,12 @@ def track_of(rig: Rig, grid: Grid, centres: FloatArray, spin_angle: FloatArray) 
 
 def spin_angle_of(sine: FloatArray, cosine: FloatArray) -> FloatArray:
     """Angle turned about +y [rad], shape (k,), from the quaternions' y and w parts; a step may turn by less than π."""
-    return np.unwrap(2.0 * np.arctan2(sine, cosine), period=2.0 * np.pi)
+    angle = 2.0 * np.arctan2(sine, cosine)
+    change = np.diff(angle)
+    jumps = np.flatnonzero(np.abs(change) > np.pi)  # few: `np.unwrap` would work on every step
+    turns = np.zeros_like(angle)
+    turns[jumps + 1] = np.round(change[jumps] / (2.0 * np.pi))
+    return angle - 2.0 * np.pi * np.cumsum(turns) if jumps.size else angle
 
 
 def sample(
@@ -186,10 +191,31 @@ def sample(
     Node velocities are centred differences, the mean of the velocities half a step before and after; at t₀ the ball
     rolls with the velocity it was given.
     """
-    time, dt = grid.time[:-1], grid.time_step
-    speed = (track.along[2:] - track.along[:-2]) / (2 * dt)
-    spin = (track.rolled[2:] - track.rolled[:-2]) / (2 * dt)
-    path = CubicHermiteSpline(time, track.along[:-1], np.concatenate([[start.velocity], speed]))
-    turned = CubicHermiteSpline(time, track.rolled[:-1], np.concatenate([[start.velocity / rig.rolling_radius], spin]))
     stamps = np.asarray(stamps, dtype=float)
-    return Trajectory(source, stamps.copy(), path(stamps), path.derivative()(stamps)), turned(stamps)
+    # Splines of all steps would take longer than all else around an engine's steps: only cells with a stamp are used.
+    cells = np.searchsorted(grid.time[1:-2], stamps, side="right")
+    at = (stamps - grid.time[cells]) / grid.time_step
+    position, velocity = _hermite(track.along, cells, at, grid.time_step, start.velocity)
+    rolled, _ = _hermite(track.rolled, cells, at, grid.time_step, start.velocity / rig.rolling_radius)
+    return Trajectory(source, stamps.copy(), position, velocity), rolled
+
+
+def _hermite(
+    nodes: FloatArray, cells: NDArray[np.intp], at: FloatArray, dt: float, first: float
+) -> tuple[FloatArray, FloatArray]:
+    """Cubic Hermite interpolation, and its derivative.
+
+    Args:
+        nodes: values at the steps, shape (k,).
+        cells: in which a value is wanted, from its step to the next, shape (n,).
+        at: where in its cell, 0 … 1, or beyond, shape (n,).
+        dt: distance of the steps [s].
+        first: derivative at the first step.
+    """
+    begin, end = nodes[cells], nodes[cells + 1]
+    change = end - begin
+    slope = np.where(cells == 0, dt * first, 0.5 * (end - nodes[cells - 1]))
+    after = 0.5 * (nodes[cells + 2] - begin)
+    square, cube = 3.0 * change - 2.0 * slope - after, slope + after - 2.0 * change
+    value = begin + at * (slope + at * (square + at * cube))
+    return value, (slope + at * (2.0 * square + 3.0 * at * cube)) / dt

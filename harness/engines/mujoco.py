@@ -5,14 +5,14 @@ with the second difference of the recorded angle, follows the recorded angle to 
 
 The validated accuracy requires (each with a test in `tests/engines/test_mujoco.py`, numbers in mjcf/README.md): initial
 velocities half a step early; a margin with which the soft contact carries the ball at its declared height; friction
-that removes 1.8 times the slip per step, because the contact frame lags by half a step; and low friction across the
-beam, so that the normal forces carry the load.
+that removes 1.8 times the slip per step or more, because the contact frame lags by half a step; and low friction across
+the beam, so that the normal forces carry the load.
 """
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -122,8 +122,8 @@ def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
 def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
     """Sets the margin with which the contacts carry the ball at its declared height; returns the excess height [m].
 
-    Without a margin the ball sinks into its soft contacts, by 0.07 µm at dt = 1 ms with our defaults and by 0.3 mm with
-    MuJoCo's: that changes r, and s by 4 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
+    Without a margin the ball sinks into its soft contacts, by 0.2 µm at dt = 1 ms with our defaults and by 0.3 mm with
+    MuJoCo's: that changes r, and s by 14 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
     """
     data = mujoco.MjData(model)
     model.pair_margin[:] = 0.0
@@ -203,15 +203,17 @@ def _step_by_step(
     first: int,
 ) -> _Log:
     """The log with the steps from `first` on, which begin at the state of `data`; up to an early stop."""
+    if first == task.grid.steps:
+        return log
     poses, forces, clock, controls = log.pose, log.force, log.clock, turns.tolist()
     pose, control, sensors, step = data.qpos, data.ctrl, data.sensordata, mujoco.mj_step
-    push = None if task.force is None else _Push(task.force, task.grid, task.first, data)
+    push = None if task.force is None else _pusher(task.force, task.grid, task.first, data)
     for begin in range(first, task.grid.steps, CHUNK):
         end = min(begin + CHUNK, task.grid.steps)
         for n in range(begin, end):
             control[0] = controls[n]
             if push is not None:
-                push.apply(n)
+                push(n)
             step(model, data)
             poses[n + 1] = pose
             forces[n] = sensors
@@ -233,27 +235,28 @@ def _out_of_bounds(task: Task[MuJoCoParameters], log: _Log, n: int) -> bool:
     return task.limits.exceeded(along, across, normal - task.rig.eccentricity - task.rig.rolling_radius)
 
 
-class _Push:
-    """Applies the force F(s, ṡ, α, t) at t_n, with ṡ extrapolated from the engine's last two half-step velocities."""
+def _pusher(force: BallForce, grid: Grid, first: Start, data: mujoco.MjData) -> Callable[[int], None]:
+    """A function that sets the force F(s, ṡ, α, t) of the step that begins at t_n, given n.
 
-    def __init__(self, force: BallForce, grid: Grid, first: Start, data: mujoco.MjData) -> None:
-        self._force, self._dt = force, grid.time_step
-        self._time, self._angle = grid.time.tolist(), grid.angle.tolist()
-        self._cos, self._sin = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
-        self._pose, self._applied = data.qpos, data.qfrc_applied
-        self._speed = first.velocity_along - self._dt * first.acceleration_along
-        self._along = self._where(0) - self._dt * first.velocity_along
+    ṡ at t_n is extrapolated from the engine's last two half-step velocities.
+    """
+    dt, backwards = grid.time_step, 1.0 / grid.time_step
+    time, angle = grid.time.tolist(), grid.angle.tolist()
+    cosines, sines = np.cos(grid.angle).tolist(), np.sin(grid.angle).tolist()
+    where, applied = data.qpos.item, data.qfrc_applied
+    speed_before = first.velocity_along - dt * first.acceleration_along
+    before = where(1) * cosines[0] - where(3) * sines[0] - dt * first.velocity_along
 
-    def _where(self, n: int) -> float:
-        return float(self._pose[1]) * self._cos[n] - float(self._pose[3]) * self._sin[n]
+    def push(n: int) -> None:
+        nonlocal before, speed_before
+        cos, sin = cosines[n], sines[n]
+        along = where(1) * cos - where(3) * sin
+        speed = (along - before) * backwards
+        size = force(along, 1.5 * speed - 0.5 * speed_before, angle[n], time[n])
+        applied[1], applied[3] = size * cos, -size * sin
+        before, speed_before = along, speed
 
-    def apply(self, n: int) -> None:
-        """Sets the force of the step that begins at t_n."""
-        along = self._where(n)
-        speed = (along - self._along) / self._dt
-        push = self._force(along, 1.5 * speed - 0.5 * self._speed, self._angle[n], self._time[n])
-        self._applied[1], self._applied[3] = push * self._cos[n], -push * self._sin[n]
-        self._along, self._speed = along, speed
+    return push
 
 
 def _samples(rig: Rig, grid: Grid, log: _Log) -> Samples:

@@ -14,11 +14,11 @@ from mjcf.scene import (
     DAMPING_RATIO,
     FRICTION,
     IMPEDANCE,
-    RELAXATION,
     Attribute,
     aligned,
     friction_reference,
     impratio_of,
+    relaxation_of,
 )
 
 MIN_FRICTION = 1e-5  # MuJoCo raises smaller coefficients to this (mjMINMU)
@@ -45,11 +45,12 @@ class MuJoCoParameters(EngineParameters):
     )
     rolling_friction: float = Field(0.0, ge=0.0, le=0.1, description="friction against rolling [m]; needs condim 6")
     friction_relaxation: float | None = Field(
-        RELAXATION,
+        None,
         gt=0.0,
         lt=2.0,
-        description="share of the slip velocity that friction removes per step [1]; none: as solref. Use 0.01 for "
-        "a sliding ball or rolling friction: MuJoCo lifts the ball by the friction times the slip removed",
+        description="share of the slip velocity that friction removes per step [1]; none: 2 − time_step/(5 ms), at "
+        "least 1.8. Use 0.01 for a sliding ball or rolling friction: MuJoCo lifts the ball by the friction times the "
+        "slip removed",
     )
     solref_timeconst: float | None = Field(
         None, gt=0.0, le=1.0, description="time constant of the contact [s]; none: two steps, MuJoCo's shortest"
@@ -135,8 +136,9 @@ class MuJoCoParameters(EngineParameters):
             "friction": (grip * self._across(rig), grip * self.friction, self.torsional_friction, roll, roll),
             "solref": (self.solref_timeconst or 2 * self.time_step, self.solref_dampratio),
         }
-        if self.friction_relaxation is not None and self.cone == "elliptic":
-            pair["solreffriction"] = friction_reference(self.friction_relaxation, self.solimp_dmax, self.time_step)
+        if self.cone == "elliptic":
+            share = self.friction_relaxation or relaxation_of(self.time_step)
+            pair["solreffriction"] = friction_reference(share, self.solimp_dmax, self.time_step)
         shape = (self.solimp_width, self.solimp_midpoint, self.solimp_power)
         return pair | {
             "solimp": (self.solimp_dmin, self.solimp_dmax, *shape),

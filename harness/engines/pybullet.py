@@ -188,10 +188,16 @@ class _Scene:
         return step
 
     def contacts(self, angle: float) -> tuple[int, float]:
-        points = pybullet.getContactPoints(self.ball, self.beam, physicsClientId=self.client)
-        loaded = [(point[7], point[9]) for point in points if point[9] > 0.0]
-        up = math.sin(angle), math.cos(angle)
-        return len(loaded), sum(load * (normal[0] * up[0] + normal[2] * up[1]) for normal, load in loaded)
+        # In one pass: with lists and sums of its own, looking at the contacts took a fiftieth of a run.
+        up_x, up_z = math.sin(angle), math.cos(angle)
+        count, total = 0, 0.0
+        for point in pybullet.getContactPoints(self.ball, self.beam, physicsClientId=self.client):
+            load = point[9]
+            if load > 0.0:
+                normal = point[7]
+                count += 1
+                total += load * (normal[0] * up_x + normal[2] * up_z)
+        return count, total
 
     def beam_angle(self) -> float:
         return float(pybullet.getJointState(self.beam, self.joints[0], self.client)[0])

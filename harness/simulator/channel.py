@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.compiled import njit
+from analytic.compiled import fixed, njit
 from analytic.motion import FloatArray
 
 
@@ -52,7 +52,7 @@ class Channel:
             seen: y, shape (n,); the first is given, the others are filled [m].
             dt: distance of the instants [s].
         """
-        _lag(position, seen, dt, self.time_constant)
+        _lag(fixed(position), seen, dt, self.time_constant)
 
     def delivered(self, seen: FloatArray, dt: float, at: FloatArray) -> FloatArray:
         """What the channel delivers.

@@ -1,0 +1,1 @@
+"""How far the engines are from the equation of motion, over random beam motions."""

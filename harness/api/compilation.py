@@ -1,0 +1,151 @@
+"""Compiling before it is needed: the kernels of the commands, kept where numba keeps them (`analytic.compiled`)."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from harness.api.progress import shown
+from harness.progress import Progress
+
+_PACKAGES = ("analytic.", "harness.")
+_DURATION = 3.0  # of a simulated recording [s]: what is compiled does not depend on it
+# Together they lead through every kernel that engines and the virtual rig have: a dry friction, a Dahl friction, a
+# beam that follows late, a linkage with play, and each kind of an imperfect record.
+_DECLARED = {"rolling_resistance": {"coefficient": 1e-3}}
+_HIDDEN = {"linkage_backlash": {"width": 0.002}, "level_error": {"angle": 0.004}}
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A function that was compiled: its name with that of its module, and the time that took with what it calls [s]."""
+
+    name: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CompiledPart:
+    """Part of the work.
+
+    Attributes:
+        name: what was run.
+        seconds: that it took in all [s].
+        kernels: what was compiled for it, in this order; empty where all of it had been compiled before.
+    """
+
+    name: str
+    seconds: float
+    kernels: tuple[Kernel, ...]
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What `compile_kernels` did.
+
+    Attributes:
+        parts: simulation, comparison, diagnosis.
+        cache: folder of the kernels of `analytic`; those of other folders are beside it, or beside their sources.
+    """
+
+    parts: tuple[CompiledPart, ...]
+    cache: Path
+
+    @property
+    def kernels(self) -> tuple[Kernel, ...]:
+        """Everything that was compiled."""
+        return tuple(one for part in self.parts for one in part.kernels)
+
+    @property
+    def seconds(self) -> float:
+        """Time of all parts [s]."""
+        return sum(part.seconds for part in self.parts)
+
+    def record(self) -> dict[str, Any]:
+        """As JSON."""
+        return {"cache": str(self.cache), "compiled": len(self.kernels), "seconds": self.seconds} | {
+            "parts": [asdict(part) for part in self.parts]
+        }
+
+
+def compile_kernels(*, progress: bool | Progress = False) -> Compilation:
+    """Compile what the commands need, so that the first of them need not wait for it.
+
+    Runs a comparison and a diagnosis of a simulated recording of three seconds, in a folder that is removed in the end;
+    numba keeps what it compiles for them: in `NUMBA_CACHE_DIR` if that is set, else beside the sources. What has been
+    compiled from the same sources is only loaded.
+
+    Args:
+        progress: show a bar on stderr, or a function to be told.
+    """
+    with shown(progress) as tell, tempfile.TemporaryDirectory(prefix="harness-compile-") as folder:
+        case = Path(folder, "case")
+        work: Sequence[tuple[str, Callable[[], object]]] = (
+            ("simulation", partial(_simulate, Path(folder), case)),
+            ("comparison", partial(_compare, case)),
+            ("diagnosis", partial(_diagnose, Path(folder), case)),
+        )
+        parts = []
+        for number, (name, act) in enumerate(work):
+            tell(f"compiling kernels: {name}", share=number / len(work))
+            parts.append(_part(name, act))
+    from analytic.kernel import _integrate
+
+    return Compilation(tuple(parts), Path(_integrate._cache.cache_path))  # type: ignore[attr-defined]
+
+
+def _part(name: str, act: Callable[[], object]) -> CompiledPart:
+    """Act, and take note of what numba compiles for it, in whatever thread."""
+    from numba.core.event import install_recorder
+
+    begin = time.monotonic()
+    with install_recorder("numba:compile") as recorder:
+        act()
+    return CompiledPart(name, time.monotonic() - begin, _kernels(recorder.buffer))
+
+
+def _kernels(events: Sequence[tuple[float, Any]]) -> tuple[Kernel, ...]:
+    """Our own functions among numba's events; numba compiles one function at a time, callees within their callers."""
+    begun, kernels = [], []
+    for when, event in events:
+        if event.is_start:
+            begun.append(when)
+            continue
+        since, function = begun.pop(), event.data["dispatcher"].py_func
+        if function.__module__.startswith(_PACKAGES):
+            kernels.append(Kernel(f"{function.__module__}.{function.__qualname__}", when - since))
+    return tuple(kernels)
+
+
+def _simulate(folder: Path, case: Path) -> None:
+    from harness.simulator import KINDS, Experiment, with_imperfections, write_case
+
+    experiment = Experiment(declared=_DECLARED, hidden=_HIDDEN, duration=_DURATION, identify=2, predict=1, seed=1)
+    write_case(case, experiment)
+    write_case(folder / "imperfect", with_imperfections(experiment, list(KINDS), seed=1))
+
+
+def _compare(case: Path) -> None:
+    from harness.api.comparison import compare
+
+    compare(case, windows=(1.0,))
+
+
+def _diagnose(folder: Path, case: Path) -> None:
+    from harness.api.diagnosis import diagnose
+    from harness.identify.estimate.free_run_fit import FreeRuns
+    from harness.identify.pose import problem_of
+    from harness.identify.problem.hypothesis import NOTHING
+    from harness.identify.problem.windows import fitted_windows
+    from harness.recording import load_case
+
+    diagnose(case, out=folder / "out")  # the report has kernels of its own
+    # Only a search that held-out errors decide fits free runs, which this recording does not ask for.
+    problem = problem_of(load_case(case))
+    runs = FreeRuns(problem, fitted_windows(problem.recordings))
+    runs.runs(NOTHING, runs.first_starts())
