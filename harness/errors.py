@@ -49,6 +49,11 @@ class EngineFailure(HarnessError):
         self._detail = detail
         super().__init__(f"{engine} failed at t = {time:.3f} s: {detail}")
 
+    @property
+    def reason(self) -> str:
+        """What went wrong, without engine and time."""
+        return self._detail
+
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Its own arguments: those of an exception are its text, from which no process could make it again."""
         return type(self), (self.engine, self.failure, self.time, self._detail)
