@@ -47,7 +47,7 @@ const report = {};
     if (value === null || value === undefined || !Number.isFinite(value)) return "—";
     const size = Math.abs(value);
     const plain = size === 0 || (size >= 1e-3 && size < 1e6);
-    const shown = plain ? String(Number(value.toPrecision(digits))) : value.toExponential(digits - 1);
+    const shown = plain ? String(Number(value.toPrecision(digits))) : String(Number(value.toPrecision(digits)).toExponential());
     return shown.replaceAll("-", "−") + (unit === "1" || unit === "" ? "" : " " + unit);
   };
 

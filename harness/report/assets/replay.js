@@ -108,7 +108,7 @@
       );
       this.jumps.hidden = marks.length === 0;
       this.jumps.replaceChildren(make("summary", {}, `Marks on the time slider (${marks.length})`),
-        make("ul", {}, ...marks.map(jump)));
+        make("ul", { tabindex: 0, "aria-label": "Marks" }, ...marks.map(jump)));
     }
 
     // The drawing at the page's width; lengths along the beam and across it have one scale.

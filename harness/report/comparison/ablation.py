@@ -13,7 +13,7 @@ from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Table, texts
 
-_EQUAL_CONTRAST = 0.19  # luminance on which #fff and #111 have the same contrast: √(1.05 · 0.0556) − 0.05
+_EQUAL_CONTRAST = 0.179  # luminance on which white and black have the same contrast: √(1.05 · 0.05) − 0.05
 _LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # RGB of smallest and largest error in the heat map
 _COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
 
@@ -59,7 +59,7 @@ def _heat(subject: Subject) -> Table:
 def _heat_cell(text: str, share: float, best: bool) -> Markup:
     colour = tuple(round(a + share * (b - a)) for a, b in zip(_LIGHT, _DARK, strict=True))
     return Markup('<span class="heat{}" style="background:rgb{};color:{}">{}</span>').format(
-        " best" if best else "", colour, "#fff" if _luminance(colour) < _EQUAL_CONTRAST else "#111", text
+        " best" if best else "", colour, "#fff" if _luminance(colour) < _EQUAL_CONTRAST else "#000", text
     )
 
 
