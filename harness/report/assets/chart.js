@@ -4,7 +4,7 @@
   const charts = new Map();
   report.charts = charts;
   const HEIGHT = 230; // of a panel alone [px]
-  const STACKED = 165; // of one of several panels [px]
+  const STACKED = 185; // of one of several panels [px]
   const AXIS = 72; // width of the ordinate's labels, equal in all panels [px]
   const CLICK = 4; // a shorter drag is a click [px]
 
