@@ -54,6 +54,11 @@ class EngineFailure(HarnessError):
         """Whether the models say the same at that instant, so that no engine is to blame."""
         return bool(getattr(self.failure, "of_the_rig", False))
 
+    @property
+    def reason(self) -> str:
+        """What went wrong, without engine and time."""
+        return self._detail
+
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Its own arguments: those of an exception are its text, from which no process could make it again."""
         return type(self), (self.engine, self.failure, self.time, self._detail)

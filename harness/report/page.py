@@ -4,7 +4,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
-from importlib.resources import files
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -12,6 +11,7 @@ from markupsafe import Markup, escape
 from harness.failures import Failed, Failures, Part, caught
 from harness.formatting import length, number
 from harness.parallel import side_by_side
+from harness.report.assets import scripts, style_sheet
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Section:
         short: its name in the table of contents.
         template: path below templates/.
         context: variables of the template.
+        on_screen: whether the section is left out on paper.
     """
 
     anchor: str
@@ -31,6 +32,7 @@ class Section:
     short: str
     template: str
     context: Mapping[str, object] = field(default_factory=dict)
+    on_screen: bool = False
 
 
 @dataclass(frozen=True)
@@ -155,7 +157,8 @@ def render_page(
             title=title,
             subtitle=subtitle,
             badges=badges,
-            style=Markup((files("harness.report") / "style.css").read_text(encoding="utf-8")),
+            style=Markup(style_sheet()),
+            scripts=Markup(scripts(charts=any("chart-data" in one.html for one in bodies))),
             failures=[str(one) for one in failures],
             parts=[(one.section, one.html) for one in bodies],
         )

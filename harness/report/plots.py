@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.formatting import brief
+from harness.report.chart import Chart
 from harness.report.palette import INK, LEFT_OUT_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
 _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
+_USE = "Drag to zoom, with Shift to move; Ctrl and wheel, the buttons or + − ← → 0 do the same."
 
 style = partial(context, Path(__file__).with_name("report.mplstyle"))
 """The common Matplotlib style, as a context or as a decorator."""
@@ -38,6 +40,8 @@ class Picture:
         alt: alternative text.
         caption: printed below.
         width, height: of the drawing [px].
+        still_note: what the caption adds on the image, which does not hold for the chart.
+        chart: what replaces the image on screen where scripts run; `None` for nothing.
     """
 
     source: str
@@ -45,15 +49,27 @@ class Picture:
     caption: str | Markup
     width: int
     height: int
+    chart: Chart | None = None
+    still_note: str = ""
+
+    @property
+    def chart_note(self) -> str:
+        """What the caption adds on the chart: how to use it, and whether it is thinned."""
+        if self.chart is None:
+            return ""
+        linked = " A click sets the instant of all plots and of the replay." if self.chart.clock else ""
+        return f"{_USE}{linked}{self.chart.thinning_note}"
 
 
-def picture(figure: Figure, alt: str, caption: str | Markup) -> Picture:
+def picture(
+    figure: Figure, alt: str, caption: str | Markup, chart: Chart | None = None, still_note: str = ""
+) -> Picture:
     """Converts `figure` to an embedded image; call within `style`."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, dpi=160)
     width, height = figure.get_size_inches() * 96
     source = "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
-    return Picture(source, alt, caption, round(width), round(height))
+    return Picture(source, alt, caption, round(width), round(height), chart, still_note)
 
 
 def drawing(height: float) -> Figure:
@@ -67,18 +83,24 @@ def thinning(samples: int) -> int:
 
 
 def joined(
-    time: FloatArray, pieces: FloatArray, slices: Sequence[slice], keep: NDArray[np.bool_] | None = None
+    time: FloatArray,
+    pieces: FloatArray,
+    slices: Sequence[slice],
+    keep: NDArray[np.bool_] | None = None,
+    *,
+    thin: bool = True,
 ) -> tuple[FloatArray, FloatArray]:
-    """Concatenates runs to one line with gaps between them, thinned to the visible resolution.
+    """Concatenates runs to one line with gaps between them, by default thinned to the visible resolution.
 
     Args:
         time: stamps, shape (n,) [s].
         pieces: one run per row, shape (runs, n).
         slices: the stamps of each run.
         keep: stamps to draw, shape (n,), the others are skipped; `None` for all.
+        thin: whether the line is thinned.
     """
     keep = np.ones(len(time), dtype=np.bool_) if keep is None else keep
-    stride = thinning(sum(where.stop - where.start for where in slices))
+    stride = thinning(sum(where.stop - where.start for where in slices)) if thin else 1
     parts = [
         np.pad(
             np.array([time[where], row[where]])[:, keep[where]][:, ::stride], ((0, 0), (0, 1)), constant_values=np.nan

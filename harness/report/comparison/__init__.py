@@ -13,6 +13,7 @@ from harness.report.comparison import (
     horizons,
     inputs,
     paper,
+    replay,
     residuals,
     result,
     scores,
@@ -23,6 +24,7 @@ from harness.tolerances import Checked
 
 SECTIONS: Mapping[str, Callable[[Subject], Section | None]] = {
     "result": result.section,
+    "replay": replay.section,
     "checks": scores.checks,
     "horizons": horizons.section,
     "residuals": residuals.section,

@@ -1,6 +1,7 @@
 """Ablation section: all combinations of radius, α̈ term, level angle and friction law, each fitted."""
 
 import math
+from collections.abc import Sequence
 
 from markupsafe import Markup
 
@@ -12,6 +13,7 @@ from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Column, Table, texts
 
+_EQUAL_CONTRAST = 0.179  # luminance on which white and black have the same contrast: √(1.05 · 0.05) − 0.05
 _LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # RGB of smallest and largest error in the heat map
 _COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
 
@@ -57,8 +59,14 @@ def _heat(subject: Subject) -> Table:
 def _heat_cell(text: str, share: float, best: bool) -> Markup:
     colour = tuple(round(a + share * (b - a)) for a, b in zip(_LIGHT, _DARK, strict=True))
     return Markup('<span class="heat{}" style="background:rgb{};color:{}">{}</span>').format(
-        " best" if best else "", colour, "#fff" if share > 0.55 else "#111", text
+        " best" if best else "", colour, "#fff" if _luminance(colour) < _EQUAL_CONTRAST else "#000", text
     )
+
+
+def _luminance(colour: Sequence[int]) -> float:
+    """Relative luminance of a colour of sRGB, 0 to 255 each, as WCAG 2 defines it."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (part / 255 for part in colour)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
 def _fitted(subject: Subject) -> Table:

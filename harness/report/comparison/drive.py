@@ -7,11 +7,14 @@ from matplotlib.axes import Axes
 
 from harness.formatting import number
 from harness.numerics import rms
+from harness.report.chart import Chart, Panel, Trace
+from harness.report.comparison.overlay import CLOCK
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.palette import Look
+from harness.report.palette import UNCERTAINTY_COLOUR, Look
 from harness.report.plots import Picture, band, drawing, frame, picture, signal, style, zero
 
+_SIGMA = Look("± 2 σ", UNCERTAINTY_COLOUR)
 _SMOOTH = Look("smooth", "#0B6E63", None, 1.2, 3)
 _PLAUSIBLE_RATIO = (0.7, 1.4)  # of residual to expected scatter; outside, the declared sensor is probably wrong
 _DETAIL_DURATION = 1.5  # of the enlarged plot [s]
@@ -86,4 +89,23 @@ def _picture(subject: Subject) -> Picture:
         "standard deviations.",
         f"Dots: {subject.measured} angle. Lines: smoothed signals that drive every source; bands: ± 2 σ. "
         "α̇ and α̈ are derivatives of the smoothing spline, not differences of readings.",
+        _chart(subject),
     )
+
+
+def _chart(subject: Subject) -> Chart:
+    """Angle, rate and acceleration over the whole recording as data of the page."""
+    setting = subject.study.setting
+    drive, recorded = setting.drive, np.degrees(setting.recording.angle)
+    panels = []
+    for order, (name, unit) in enumerate((("α", "deg"), ("α̇", "deg/s"), ("α̈", "deg/s²"))):
+        values, std = np.degrees(drive.states[:, order]), np.degrees(drive.std[:, order])
+        traces = [
+            Trace("drive-sigma", _SIGMA, drive.time, values + 2.0 * std, low=values - 2.0 * std),
+            Trace("drive-smooth", _SMOOTH, drive.time, values),
+        ]
+        if order == 0:
+            look = Look(subject.measured, "#777777")
+            traces.insert(1, Trace("drive-readings", look, setting.time, recorded, dots=True))
+        panels.append(Panel(name, unit, traces, zero=order > 0))
+    return Chart("drive-over-time", panels, clock=CLOCK)

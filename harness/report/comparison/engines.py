@@ -5,14 +5,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from analytic.motion import FloatArray
 from harness.comparison.attribution import Attribution
 from harness.comparison.sources import SourceRuns
 from harness.engines.health import Health
 from harness.engines.protocol import Engine
 from harness.formatting import fixed, length, number, percent
+from harness.report.chart import Chart, Panel, Trace
+from harness.report.comparison.overlay import CLOCK
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.palette import label_of, swatch
+from harness.report.palette import Look, label_of, swatch
 from harness.report.plots import Picture, drawing, over_time, picture, style
 from harness.report.tables import Column, Row, Table, texts
 
@@ -82,7 +85,17 @@ def _picture(subject: Subject, parts: Sequence[Attribution]) -> Picture:
         figure,
         f"Magnitude of the numerical, contact and physics parts of the error of {drawn}.",
         "Magnitude of the three parts in the whole free run, logarithmic.",
+        Chart("parts-over-time", [_panel(one, time, highest) for one in parts], clock=CLOCK),
     )
+
+
+def _panel(one: Attribution, time: FloatArray, highest: float) -> Panel:
+    """The parts of one engine's error as data of the page; `highest` is the largest of all [m]."""
+    traces = []
+    for name, (title, colour, _) in _PARTS.items():
+        size = np.where(one.use, np.abs(getattr(one, name)), np.nan)
+        traces.append(Trace(f"part-{name}", Look(title, colour), time, np.maximum(size, _MIN_DRAWN)))
+    return Panel("magnitude", "m", traces, frame=(_MIN_DRAWN, 3.0 * highest), log=True, title=label_of(one.source))
 
 
 def health(subject: Subject) -> Section | None:

@@ -8,11 +8,19 @@ from matplotlib.patches import Patch
 
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
+from harness.engines.health import Failure
 from harness.formatting import number
 from harness.report import plots
+from harness.report.chart import Chart, Mark, Panel, Trace
 from harness.report.comparison.subject import Subject
-from harness.report.palette import MEASURED_COLOUR, UNCERTAINTY_COLOUR, look_of
+from harness.report.palette import LEFT_OUT_COLOUR, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look, look_of
 from harness.report.standing import Standing, standings
+
+CLOCK = "recording"  # of all charts over the recording's time, and of the replay
+MEASURED = "measured"
+UNCERTAINTY = Look("± 2 u_val", UNCERTAINTY_COLOUR)
+LEFT_OUT = Look("left out of all fits", LEFT_OUT_COLOUR)
+RESTARTS = Look("restarts", MEASURED_COLOUR, None, 3.0)
 
 
 @plots.style()
@@ -25,8 +33,61 @@ def overlay(subject: Subject, horizon: Horizon) -> plots.Picture:
         drawn(subject, horizon),
         f"Ball position over time, {shown}: {subject.measured} and all sources. RMS errors: {best}.",
         f"{subject.measured.capitalize()} ball position (black) and every source {subject.over(horizon)}, closest "
-        f"first. {dots}Grey: ± 2 u_val, the expected error of a perfect model. Triangles: a source leaves the frame.",
+        f"first. {dots}Grey: ± 2 u_val, the expected error of a perfect model.",
+        chart(subject, horizon),
+        "Triangles: a source leaves the frame.",
     )
+
+
+def anchor(horizon: Horizon) -> str:
+    """Of the chart of a horizon's positions."""
+    return f"positions-{horizon.name}"
+
+
+def chart(subject: Subject, horizon: Horizon) -> Chart:
+    """The same as data of the page."""
+    study = subject.study
+    setting, slices = study.setting, horizon.slices()
+    time = setting.time
+    span = slice(slices[0].start, slices[-1].stop)
+    position = np.where(setting.ball.trusted, setting.recording.position, np.nan)[span]
+    shown = subject.drawn[span]
+    u_val = study.u_val_of(horizon)
+    u_time, u = plots.joined(time, u_val, slices, thin=False)
+    _, centre = plots.joined(time, np.broadcast_to(setting.ball.position, u_val.shape), slices, thin=False)
+    traces = [
+        Trace("uncertainty", UNCERTAINTY, u_time, centre + 2.0 * u, low=centre - 2.0 * u),
+        Trace(MEASURED, Look(subject.measured, MEASURED_COLOUR, None, 1.7), time[span][shown], position[shown]),
+    ]
+    for one in _ranked(subject, horizon):
+        run = study.run_of(one.source, horizon)
+        traces.append(Trace(one.source, look_of(one.source), *plots.joined(time, run.position, slices, thin=False)))
+    left_out = setting.recording.left_out
+    if len(left_out):
+        traces.append(Trace("left_out", LEFT_OUT, left_out[:, 0], left_out[:, 1], dots=True))
+    if horizon.seconds is not None:
+        first = horizon.first
+        traces.append(Trace("starts", RESTARTS, time[first], setting.ball.position[first], dots=True))
+    low, high = float(np.nanmin(position)), float(np.nanmax(position))
+    room = max(0.35 * (high - low), 1e-3)
+    panel = Panel("ball position s", "m", traces, frame=(low - room, high + room))
+    return Chart(anchor(horizon), [panel], clock=CLOCK, marks=marks(subject, horizon))
+
+
+def marks(subject: Subject, horizon: Horizon) -> list[Mark]:
+    """Failures of engines and lift-off of the ball in the runs of a horizon, in the order of time."""
+    found = {}
+    for source in subject.study.sources:
+        run = subject.study.run_of(source, horizon)
+        for failure in run.failures:
+            found[failure.time, source] = f"{look_of(source).label} failed: {failure.reason}"
+        for time in run.lifted_off:
+            found.setdefault((time, source), f"{look_of(source).label}: {Failure.LIFTED_OFF.value}")
+    by_time: dict[tuple[float, str], list[str]] = {}
+    for (time, _), text in found.items():
+        who, _, what = text.partition(": ")
+        by_time.setdefault((time, what), []).append(who)
+    return [Mark("failure", f"{', '.join(who)}: {what}", time, time) for (time, what), who in sorted(by_time.items())]
 
 
 def _ranked(subject: Subject, horizon: Horizon) -> list[Standing]:

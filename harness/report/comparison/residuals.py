@@ -1,5 +1,8 @@
 """Section on residuals: position errors over time and against s, ṡ, α, and the residual acceleration of CAM."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -8,9 +11,13 @@ from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
 from harness.report import plots
+from harness.report.chart import Chart, Panel, Trace
+from harness.report.comparison.overlay import CLOCK, UNCERTAINTY, marks
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
-from harness.report.palette import Look, label_of, look_of
+from harness.report.palette import UNCERTAINTY_COLOUR, Look, label_of, look_of
+
+SIGMA = Look("± 2 σ", UNCERTAINTY_COLOUR)
 
 
 def section(subject: Subject) -> Section:
@@ -47,8 +54,22 @@ def _over_time(subject: Subject) -> plots.Picture:
     return plots.picture(
         figure,
         f"Position error of every source over time, {subject.over(horizon)}, with the band of two u_val.",
-        f"Position error of every source {subject.over(horizon)}; grey: ± 2 u_val; triangles: leaves the frame.",
+        f"Position error of every source {subject.over(horizon)}; grey: ± 2 u_val.",
+        _errors_chart(subject, errors, frame=axes.get_ylim()),
+        "Triangles: leaves the frame.",
     )
+
+
+def _errors_chart(subject: Subject, errors: Mapping[str, FloatArray], frame: tuple[float, float]) -> Chart:
+    """The same as data of the page; `errors` by source, shape (runs, n) each [mm]."""
+    study, horizon = subject.study, subject.study.headline
+    time, slices = study.setting.time, horizon.slices()
+    u_time, u = plots.joined(time, 2e3 * study.u_val_of(horizon), slices, thin=False)
+    traces = [Trace("uncertainty", UNCERTAINTY, u_time, u, low=-u)]
+    for source, error in errors.items():
+        traces.append(Trace(source, look_of(source), *plots.joined(time, error, slices, subject.drawn, thin=False)))
+    panel = Panel(f"model − {subject.measured}", "mm", traces, frame=frame, zero=True)
+    return Chart("errors-over-time", [panel], clock=CLOCK, marks=marks(subject, horizon))
 
 
 @plots.style()
@@ -103,6 +124,11 @@ def _acceleration(subject: Subject) -> plots.Picture:
         axes.set_ylim(low - 0.3 * (high - low) - 1e-4, high + 0.3 * (high - low) + 1e-4)
     for axes in (top, row[0]):
         axes.set_ylabel("residual acceleration\nof CAM [m/s²]")
+    traces = [
+        Trace("sigma", SIGMA, time, residual + 2.0 * std, low=residual - 2.0 * std),
+        Trace("residual", replace(look, label="residual acceleration"), time, residual),
+    ]
+    panel = Panel("residual acceleration of CAM", "m/s²", traces, frame=top.get_ylim(), zero=True)
     scatter, std_rms = float(np.std(residual[at])), rms(std[at])
     return plots.picture(
         figure,
@@ -111,4 +137,5 @@ def _acceleration(subject: Subject) -> plots.Picture:
         "with its ± 2 σ band (grey), over time and against s, ṡ, α. A step at ṡ = 0 indicates dry friction, a "
         "slope in ṡ viscous damping, an offset a level error, a slope in s a curved track. Its standard deviation "
         f"is {number(scatter)} m/s², its uncertainty {number(std_rms, 2)} m/s².",
+        Chart("residual-acceleration", [panel], clock=CLOCK),
     )

@@ -17,11 +17,13 @@ from harness.report.diagnosis import (
     spline_term,
     verdict,
 )
+from harness.report.diagnosis import replay as replay_section
 from harness.report.diagnosis.account import Account
 from harness.report.page import Badge, Section, bodies_of, render_page
 
 SECTIONS: Mapping[str, Callable[[Account], Section | None]] = {
     "verdict": verdict.section,
+    "replay": replay_section.section,
     "residual_acceleration": residual_acceleration.section,
     "spline_term": spline_term.section,
     "errors": errors.section,

@@ -8,7 +8,9 @@ from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
 from harness.report import plots
+from harness.report.chart import Chart, Panel, Trace
 from harness.report.diagnosis.account import FOUND, MODEL, Account
+from harness.report.diagnosis.verdict import SIGMA, clock_of
 from harness.report.page import Section
 from harness.report.palette import Look
 
@@ -75,8 +77,27 @@ def _over_time(account: Account) -> plots.Picture:
         "Residual acceleration over time, and the acceleration by the effects found.",
         "Residual acceleration: the ball's acceleration that the declared model does not explain, estimated from "
         "the recording alone, with its ± 2 σ band (grey), and the acceleration by the effects found along the same "
-        "path. The estimate is smoothed, the effects are not. Right axis: the equivalent force.",
+        "path. The estimate is smoothed, the effects are not.",
+        _chart(account, [axes.get_ylim() for axes in grid]),
+        "Right axis: the equivalent force.",
     )
+
+
+def _chart(account: Account, frames: list[tuple[float, float]]) -> Chart | None:
+    """The same as data of the page; only of one recording, as others have times of their own."""
+    every, records = account.residual_accelerations, account.diagnosis.problem.recordings
+    if len(every) > 1:
+        return None
+    one = every[0]
+    band = 2.0 * one.deviation
+    traces = [
+        Trace("sigma", SIGMA, one.time, one.residual + band, low=one.residual - band),
+        Trace("residual", LEFT, one.time, one.residual),
+    ]
+    if account.changed:
+        traces.append(Trace("law", LAW, one.time, one.law))
+    panel = Panel("residual acceleration", "m/s²", traces, frame=frames[0], zero=True, title=records[0].name)
+    return Chart("residual-acceleration", [panel], clock=clock_of(records[0]))
 
 
 @plots.style()

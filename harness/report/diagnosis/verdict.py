@@ -6,9 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analytic.effects import CATALOGUE
+from analytic.motion import FloatArray
 from harness.formatting import NONE, brief, number
 from harness.identify.design import proposal
 from harness.identify.estimate.forecast import Forecast, forecast
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
@@ -16,13 +18,16 @@ from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.numerics import rms
 from harness.recording.findings import warnings_of
 from harness.report import plots
+from harness.report.chart import Chart, Mark, Panel, Trace
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
-from harness.report.palette import MEASURED_COLOUR, Look
+from harness.report.palette import LEFT_OUT_COLOUR, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look
 from harness.report.tables import Row, Table, texts
 from harness.report.wording import error_size, sentence, words
 
 RECORDED = Look("recording", MEASURED_COLOUR, None, 2.0, 4)
+SIGMA = Look("± 2 σ", UNCERTAINTY_COLOUR)
+LEFT_OUT = Look("left out of all fits", LEFT_OUT_COLOUR)
 _MAX_BAND = 3.0  # of the uncertainty band in the figure, times the largest error
 
 
@@ -186,6 +191,58 @@ def _picture(account: Account) -> plots.Picture:
         f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
         f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
         f"(shaded). RMS error after them: {', '.join(ends)}. Grey: ± 2 σ of the last of them, below including reading "
-        "noise. Triangles: a line leaves the frame. Parameters are those of the verdict, fitted to this recording "
+        "noise. Parameters are those of the verdict, fitted to this recording "
         "too; for held-out errors see below.",
+        chart(account, runs),
+        "Triangles: a line leaves the frame.",
     )
+
+
+CHART = "before-after"
+
+
+def clock_of(record: PreparedRecording) -> str:
+    """Of all charts over the time of one recording."""
+    return f"recording {record.name}"
+
+
+def chart(account: Account, runs: Runs) -> Chart:
+    """The same as data of the page."""
+    shown, closest = account.shown, runs[-1][0]
+    time, reading, left_out = shown.time, shown.reading, account.left_out(account.shown)
+    drawn = np.isfinite(reading) | np.isin(time, left_out[:, 0])
+    recorded = Look(account.measured, RECORDED.colour, None, RECORDED.width)
+    reach = 2e3 * np.sqrt(closest.deviation**2 + account.diagnosis.problem.reading_variance)
+    band = 2.0 * closest.deviation
+    top = [
+        Trace("uncertainty", SIGMA, time, closest.position + band, low=closest.position - band),
+        Trace("recorded", recorded, time[drawn], reading[drawn]),
+        *(Trace(look.label, look, time, one.position) for one, look in runs),
+    ]
+    if len(left_out):
+        top.append(Trace("left_out", LEFT_OUT, left_out[:, 0], left_out[:, 1], dots=True))
+    bottom = [
+        Trace("uncertainty", SIGMA, time, reach, low=-reach),
+        *(Trace(look.label, look, time, 1e3 * (one.position - reading)) for one, look in runs),
+    ]
+    known = np.isfinite(reading)
+    errors = [1e3 * np.abs(one.position - reading)[known] for one, _ in runs]
+    most = _MAX_BAND * float(np.max(errors[-1]))
+    panels = [
+        Panel("position s", "m", top, frame=_framed(np.concatenate((reading[known], closest.position)))),
+        Panel("prediction − reading", "mm", bottom, frame=(-most, most), zero=True),
+    ]
+    return Chart(CHART, panels, clock=clock_of(shown), marks=marks(account))
+
+
+def marks(account: Account) -> list[Mark]:
+    """The part of the shown recording from which its prediction starts."""
+    begin = float(account.shown.time[0])
+    text = "known positions, from which the prediction starts"
+    return [Mark("identify", text, begin, min(begin + KNOWN, float(account.shown.time[-1])))]
+
+
+def _framed(values: FloatArray) -> tuple[float, float]:
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    room = 0.25 * (high - low)
+    return low - room, high + room
