@@ -10,7 +10,6 @@ import click
 
 from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
-from harness.errors import EngineFailure
 from harness.recording.case import BUNDLED, load_case
 from harness.recording.findings import warnings_of
 from harness.recording.rig_changes import with_rig_changes
@@ -48,20 +47,15 @@ def run_case(
     click.echo(_as_json(made, folder) if as_json else _as_text(made, folder))
     for text in (*_failures(made), *made.report_failures):
         click.echo(f"error: {text}", err=True)
-    if _of_engines(made) or made.report_failures:
+    if made.study.engine_failures or made.report_failures:
         return 3
     return 0 if all(one.passed for one in made.checks) else 1
 
 
-def _of_engines(result: Comparison) -> list[EngineFailure]:
-    """Failures of which an engine is to blame; where the ball lifts off all sources say so, and the answer does."""
-    return [failure for failure in result.failures if not failure.of_the_rig]
-
-
 def _failures(result: Comparison) -> list[str]:
     """One message per engine, whatever the number of its failed runs."""
-    failed = Counter(failure.engine for failure in _of_engines(result))
-    first = {failure.engine: failure for failure in reversed(_of_engines(result))}
+    failed = Counter(failure.engine for failure in result.study.engine_failures)
+    first = {failure.engine: failure for failure in reversed(result.study.engine_failures)}
     runs = Counter(run.source for run in result.study.runs for _ in run.horizon.first)
     return [
         f"{first[name]} ({count} of its {runs[name]} runs failed; the report has the other sources)"
@@ -84,7 +78,7 @@ def _as_json(made: Comparison, folder: Path) -> str:
             "checks": made.checks,
             "findings": result.setting.case.findings,
             "lift_off": dict(result.lift_offs),
-            "failures": [str(failure) for failure in (*_of_engines(made), *made.report_failures)],
+            "failures": [str(failure) for failure in (*made.study.engine_failures, *made.report_failures)],
         }
     )
 

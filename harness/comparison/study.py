@@ -66,6 +66,11 @@ class Study:
         return tuple(failure for run in self.runs for failure in run.failures)
 
     @property
+    def engine_failures(self) -> tuple[EngineFailure, ...]:
+        """Those of which an engine is to blame; where the ball lifts off, `lift_offs` says so of all sources."""
+        return tuple(failure for failure in self.failures if not failure.of_the_rig)
+
+    @property
     def lift_offs(self) -> Mapping[str, str]:
         """By source when and why the ball lifts off the beam for the first time; empty if it does not."""
         first: dict[str, float] = {}

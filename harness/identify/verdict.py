@@ -112,7 +112,7 @@ def judge(problem: Problem, selection: Selection, failures: Failures | None = No
     found = attempt(
         failures, Part.SEARCH, "covariance of the intervals", lambda: with_interval_covariance(problem, plain), plain
     )
-    unseen = _unseen(problem, selection.ledger, criterion)
+    unseen = _unseen(problem, found, selection.ledger, criterion)
     if failures is not None and failures.all:
         tried = {name for line in selection.ledger for name in line.effects}
         unseen += tuple(name for name in candidates(problem) if name not in tried)
@@ -179,11 +179,13 @@ def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion)
     return rivals - set(found.hypothesis.names)
 
 
-def _unseen(problem: Problem, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
-    """Effects whose typical size is below the detection limit."""
+def _unseen(problem: Problem, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
+    """Effects that were not found and whose typical size is below the detection limit."""
     latest = {line.title: line for line in ledger if line.fit.hypothesis.spline is None and not line.kept}
     unseen = []
     for name, line in latest.items():
+        if name in found.hypothesis.names:  # tried in vain at first, found later beside others
+            continue
         effect = next((term.effect for term in line.fit.terms.effects if term.effect.name == name), None)
         if effect is None:
             continue

@@ -216,7 +216,7 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
     runs, cam = study.run_of(name, study.headline), study.run_of(CAM.name, study.headline)
     away = np.abs(runs.position - cam.position)
     split = next((one.rms() for one in study.attributions if one.source == name), {})
-    failures = [one for one in study.failures if one.engine == name and not one.of_the_rig]
+    failures = [failure for failure in study.engine_failures if failure.engine == name]
     return EngineFact(
         source=name,
         departure=float(np.nanmax(away)) if np.isfinite(away).any() else math.nan,

@@ -71,8 +71,9 @@ def render_comparison(
 
 def _badges(subject: Subject) -> list[Badge]:
     badges = [Badge("simulated data", "warning")] if subject.simulated else []
-    failed = sorted({failure.engine for failure in subject.study.failures})
+    failed = sorted({failure.engine for failure in subject.study.engine_failures})
     badges += [Badge(f"{name} failed", "bad") for name in failed]
+    badges += [Badge("the ball lifts off", "warning")] if subject.study.lift_offs else []
     if subject.checks:
         missed = sum(not one.passed for one in subject.checks)
         many = f"{missed} check{'s' if missed > 1 else ''} failed"

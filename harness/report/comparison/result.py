@@ -18,11 +18,12 @@ def section(subject: Subject) -> Section:
     """The answer."""
     study = subject.study
     warnings, others = _warnings(subject)
-    failed_first = {failure.engine: str(failure) for failure in reversed(study.failures)}
+    failures = study.engine_failures
+    failed_first = {failure.engine: str(failure) for failure in reversed(failures)}
     context = {
         "sentences": answer(study),
         "failures": list(failed_first.values())[::-1],
-        "failed_runs": len(study.failures),
+        "failed_runs": len(failures),
         "warnings": warnings,
         "other_warnings": others,
         "picture": overlay(subject, study.headline),

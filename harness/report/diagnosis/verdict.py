@@ -9,6 +9,7 @@ from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.formatting import NONE, brief, number
 from harness.identify.design import proposal
+from harness.identify.estimate.fit import Estimator
 from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN
@@ -65,6 +66,8 @@ def _glance(account: Account) -> list[tuple[str, str, str]]:
 def _nearest(account: Account) -> str:
     """The effect that comes closest to what was found with as many others beside it, or the other spline term."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
+    if found.estimator is Estimator.FREE_RUNS:
+        return "chosen by held-out errors, which the ledger lists: likelihoods of fits to free runs are not compared"
     spline = found.hypothesis.spline is not None
 
     def other(one: Line) -> bool:
