@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from analytic.effects import Acting, Effect, Force, Parameter
     from harness.api.case import Case, load_case
+    from harness.api.check import Check, check
     from harness.api.comparison import Comparison, compare
     from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.doctor import Doctor, doctor
     from harness.api.replay import Replayed, replay
     from harness.api.saved import LoadedDiagnosis, load_diagnosis
     from harness.api.scene import SceneCheck, check_scene
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 
 _NAMES = {  # in the order of docs/api.md
     "harness.api.case": ("load_case", "Case"),
+    "harness.api.check": ("check", "Check"),
     "harness.api.comparison": ("compare", "Comparison"),
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
@@ -36,6 +39,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
     "harness.api.scene": ("check_scene", "SceneCheck"),
+    "harness.api.doctor": ("doctor", "Doctor"),
     "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
     "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
@@ -44,8 +48,10 @@ _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = [
     "Acting",
     "Case",
+    "Check",
     "Comparison",
     "Diagnosis",
+    "Doctor",
     "Effect",
     "EngineFailure",
     "Force",
@@ -57,9 +63,11 @@ __all__ = [
     "SceneCheck",
     "Sweep",
     "Tuning",
+    "check",
     "check_scene",
     "compare",
     "diagnose",
+    "doctor",
     "load_case",
     "load_diagnosis",
     "replay",
