@@ -22,7 +22,7 @@ def check(case: Path, out: Path | None, force: bool, as_json: bool) -> None:
     """Check whether recordings are fit for use, and which effects they could show at which size.
 
     CASE is a folder with rig.toml and CSV recordings, a CSV file (then the paper's rig is assumed), or a bundled case.
-    Nothing is searched for: it takes seconds, to be spent before a diagnosis or beside the rig. The exit code is 1 if
+    Nothing is searched for: it takes seconds, a minute or two with many recordings. The exit code is 1 if
     the recordings are not fit: a finding makes any verdict worthless, or they hold too little to go by.
 
     \b

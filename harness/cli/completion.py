@@ -17,9 +17,9 @@ def completion(ctx: click.Context, shell: str) -> None:
 
     \b
     Examples:
-      harness completion bash >> ~/.bashrc
-      harness completion zsh >> ~/.zshrc
-      harness completion fish > ~/.config/fish/completions/harness.fish
+      harness completion bash  to append to ~/.bashrc
+      harness completion zsh   to append to ~/.zshrc
+      harness completion fish  to write into ~/.config/fish/completions/harness.fish
     """
     made = get_completion_class(shell)
     assert made is not None  # of click's own shells

@@ -51,7 +51,7 @@ class Limit:
         unit: of the parameter, SI.
         neutral: value of the parameter at which the effect does nothing; for an `inverse` effect there is none.
         inverse: whether it acts the more the smaller the parameter is; the limit is then the largest value that shows.
-        limit: distance from `neutral` from which the effect is found in half of the cases, with what the declared model
+        limit: distance from `neutral` at which the expected gain reaches the threshold, with what the declared model
             leaves unexplained; infinite (0 for an inverse one) if no possible size is.
         explained: the same once all that else is missing has been explained.
         typical: distance from `neutral` at which the effect matters.
