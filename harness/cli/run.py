@@ -45,7 +45,7 @@ def run_case(
     folder = out or report_folder(path or BUNDLED)
     case = with_rig_changes(load_case(path or BUNDLED), parameters)
     made = compare(case, settings=settings, check=check_limits, out=folder, progress=not is_quiet(), **options)
-    brief = "\n".join([*made.answer, f"report: {folder / REPORT}"])
+    brief = "\n".join([*made.answer[:1], f"report: {folder / REPORT}"])
     click.echo(_as_json(made, folder) if as_json else brief if is_quiet() else _as_text(made, folder))
     for text in (*_failures(made), *made.report_failures):
         click.echo(f"error: {text}", err=True)

@@ -18,6 +18,7 @@ from harness.cli.completion import SHELLS
 from harness.cli.main import main
 from harness.errors import InputError
 from tests.acceptance.conftest import Harness
+from tests.acceptance.short import write_short_case
 
 
 def test_this_machine_is_examined(harness: Harness) -> None:
@@ -113,3 +114,15 @@ def test_no_colour_where_it_is_not_wanted(tmp_path: Path) -> None:
 def test_every_long_command_can_be_quiet(name: str) -> None:
     """Take --quiet wherever progress is shown."""
     assert any("--quiet" in one.opts for one in main.commands[name].params)
+
+
+def test_a_quiet_run_prints_the_answer_and_the_report(harness: Harness, tmp_path: Path) -> None:
+    """Print two lines and no progress, and write the same files."""
+    case = write_short_case(tmp_path / "case")
+    done = harness("run", case, "--quiet", "--engine", "mujoco", "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    assert done.err == ""
+    answer, report = done.out.splitlines()
+    assert answer
+    assert report == f"report: {tmp_path / 'out' / 'report.html'}"
+    assert (tmp_path / "out" / "metrics.csv").is_file()
