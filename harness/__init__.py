@@ -18,9 +18,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from analytic.effects import Acting, Effect, Force, Parameter
     from harness.api.case import Case, load_case
+    from harness.api.check import Check, check
     from harness.api.comparison import Comparison, compare
     from harness.api.compilation import Compilation, compile_kernels
     from harness.api.diagnosis import Diagnosis, diagnose
+    from harness.api.doctor import Doctor, doctor
     from harness.api.export import Export, export
     from harness.api.importing import Imported, import_recording
     from harness.api.replay import Replayed, replay
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 _NAMES = {  # in the order of docs/api.md
     "harness.api.case": ("load_case", "Case"),
     "harness.api.importing": ("import_recording", "Imported"),
+    "harness.api.check": ("check", "Check"),
     "harness.api.comparison": ("compare", "Comparison"),
     "harness.api.diagnosis": ("diagnose", "Diagnosis"),
     "harness.api.saved": ("load_diagnosis", "LoadedDiagnosis"),
@@ -42,6 +45,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.sweep": ("sweep", "Sweep"),
     "harness.api.scene": ("check_scene", "SceneCheck"),
     "harness.api.compilation": ("compile_kernels", "Compilation"),
+    "harness.api.doctor": ("doctor", "Doctor"),
     "analytic.effects": ("Effect", "Parameter", "Force", "Acting"),
     "harness.errors": ("HarnessError", "InputError", "EngineFailure"),
 }
@@ -50,9 +54,11 @@ _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = [
     "Acting",
     "Case",
+    "Check",
     "Comparison",
     "Compilation",
     "Diagnosis",
+    "Doctor",
     "Effect",
     "EngineFailure",
     "Export",
@@ -66,10 +72,12 @@ __all__ = [
     "SceneCheck",
     "Sweep",
     "Tuning",
+    "check",
     "check_scene",
     "compare",
     "compile_kernels",
     "diagnose",
+    "doctor",
     "export",
     "import_recording",
     "load_case",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from analytic import slots
-from analytic.effects.code import Code
 from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.force import Values
 from analytic.effects.parameter import Parameter
+from analytic.effects.source_code import Code
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.effects.code import Code
 from analytic.effects.effect import Effect, Relations, Transmission
 from analytic.effects.following import CurvedMotion, held, lagged
 from analytic.effects.parameter import Parameter
+from analytic.effects.source_code import Code
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
 _PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from analytic import slots
-from analytic.effects.code import Code
 from analytic.effects.force import EffectError, Force, Values
 from analytic.effects.parameter import Parameter
 from analytic.effects.sensor_law import SensorLaw
+from analytic.effects.source_code import Code
 from analytic.models import Model
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from analytic import slots
-from analytic.effects.code import Code
 from analytic.effects.effect import Effect, Relations, adding
 from analytic.effects.parameter import Parameter
+from analytic.effects.source_code import Code
 from analytic.effects.track import LEVEL_ERROR
 
 # A friction that acts wherever the ball is, however it lies and whenever, is a curve of any of these.

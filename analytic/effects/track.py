@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from analytic import slots
-from analytic.effects.code import Code
 from analytic.effects.effect import Effect, EngineEntry, Relations, adding
 from analytic.effects.parameter import Parameter
+from analytic.effects.source_code import Code
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from analytic.effects import LEVEL_ERROR, LINKAGE_BACKLASH, ROLLING_RESISTANCE
 from harness.api.progress import shown
 from harness.progress import Progress
 
@@ -17,8 +18,8 @@ _PACKAGES = ("analytic.", "harness.")
 _DURATION = 3.0  # of a simulated recording [s]: what is compiled does not depend on it
 # Together they lead through every kernel that engines and the virtual rig have: a dry friction, a Dahl friction, a
 # beam that follows late, a linkage with play, and each kind of an imperfect record.
-_DECLARED = {"rolling_resistance": {"coefficient": 1e-3}}
-_HIDDEN = {"linkage_backlash": {"width": 0.002}, "level_error": {"angle": 0.004}}
+_DECLARED = {ROLLING_RESISTANCE.name: {"coefficient": 1e-3}}
+_HIDDEN = {LINKAGE_BACKLASH.name: {"width": 0.002}, LEVEL_ERROR.name: {"angle": 0.004}}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from harness.cli.options import PathType
+from harness.cli.options import PathType, is_quiet, quiet_option
 
 
 @click.command("check-scene")
@@ -26,6 +26,7 @@ from harness.cli.options import PathType
     "--force", is_flag=True, help="Replace a file that this command did not write, or that has been changed since."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
+@quiet_option
 def check_scene(case: Path, direction: str | None, out: Path | None, force: bool, as_json: bool, **names: Any) -> None:
     """Check a scene of your own: can the recorded angle drive it, and is it the rig that rig.toml describes?
 
@@ -43,13 +44,13 @@ def check_scene(case: Path, direction: str | None, out: Path | None, force: bool
     from harness.api.scene import check_scene as check
 
     turn = None if direction is None else int(direction)
-    made = check(case, direction=turn, progress=True, **names)
+    made = check(case, direction=turn, progress=not is_quiet(), **names)
     if out is not None:
         made.save(out, force=force)
     if as_json:
         click.echo(to_json(made.record()))
     else:
-        for engine, checks in made.checks.items():
+        for engine, checks in () if is_quiet() else made.checks.items():
             click.echo(f"{engine}:")
             for one in checks:
                 click.echo(f"  {one.status.value:7} {one.name}: {one.text}")

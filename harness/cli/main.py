@@ -16,11 +16,14 @@ from typing import Any
 import click
 
 from analytic.motion import State
+from harness.cli.check import check
 from harness.cli.check_scene import check_scene
 from harness.cli.compile import compile_
+from harness.cli.completion import completion
+from harness.cli.doctor import doctor
 from harness.cli.export import export
 from harness.cli.import_ import import_
-from harness.cli.options import FiniteRange, PathType, Whole, number_in
+from harness.cli.options import CaseType, FiniteRange, PathType, Whole, is_quiet, number_in, quiet_option
 from harness.cli.sweep import sweep
 from harness.cli.termination import terminable
 from harness.cli.tune import tune
@@ -125,6 +128,7 @@ def main() -> None:
       harness diagnose open_ball_beam   a bundled recording that was measured
       harness run my_rig/               a folder with rig.toml and CSV recordings
       harness run swing.csv             one recording of the paper's rig
+      harness check my_rig/             fit for use? which effects could it show?
       harness diagnose my_rig/          missing physics by name, with parameters and intervals
       harness predict reports/my_rig/ my_rig/rec_03.csv
       harness export reports/my_rig/ --to fmu
@@ -135,6 +139,8 @@ def main() -> None:
       harness check-scene my_rig/       a scene of your own, see docs/scenes.md
       harness import log.mat            a case of what Simulink, LabVIEW or an oscilloscope wrote
       harness compile                   kernels, once, so that the first command need not wait
+      harness doctor                    what is installed here and works
+      harness completion bash           completion for your shell, see docs/check.md
 
     Recordings hold time [s], beam angle [rad or deg] and ball position [m or mm]. Exit codes: 0 done, 1 the answer is
     no, 2 bad use or bad input, 3 an engine failed (or another part; all else is written).
@@ -142,7 +148,7 @@ def main() -> None:
 
 
 @main.command(cls=RunCommand)
-@click.argument("case", required=False, type=_PATH)
+@click.argument("case", required=False, type=CaseType())
 @_out_option
 @click.option("--recording", metavar="NAME", help="Which recording of the case [default: the first to identify from].")
 @click.option(
@@ -205,6 +211,7 @@ def main() -> None:
 @_force_option
 @_yes_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
+@quiet_option
 def run(case: Path | None, **options: Any) -> None:
     """Drive every model and engine with the recorded beam angle and write the comparison report.
 
@@ -224,7 +231,7 @@ def run(case: Path | None, **options: Any) -> None:
 
 
 @main.command()
-@click.argument("case", type=_PATH)
+@click.argument("case", type=CaseType())
 @_out_option
 @click.option(
     "--also",
@@ -252,6 +259,7 @@ def run(case: Path | None, **options: Any) -> None:
 @_force_option
 @_yes_option
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json on stdout.")
+@quiet_option
 def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> None:
     """Identify missing physics: effects with parameters and intervals, and the errors before and after.
 
@@ -276,10 +284,10 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
     from harness.recording.findings import warnings_of
 
     folder = out or report_folder(case)
-    made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=True, **options)
+    made = find(case, out=folder, jobs=os.cpu_count() or 1, progress=not is_quiet(), **options)
     files = f"diagnosis: {folder / FILE}\nreport: {folder / REPORT}"
     warnings = "".join(f"  {one}\n" for one in warnings_of(made.findings))
-    click.echo(made.record.text() if as_json else f"{made.sentence}\n{warnings}{files}")
+    click.echo(made.record.text() if as_json else f"{made.sentence}\n{warnings if not is_quiet() else ''}{files}")
     for one in made.failures:
         click.echo(f"error: {one}", err=True)
     sys.exit(3 if made.failures else 0)
@@ -287,13 +295,14 @@ def diagnose(case: Path, out: Path | None, as_json: bool, **options: Any) -> Non
 
 @main.command()
 @click.argument("diagnosis", type=_PATH)
-@click.argument("case", type=_PATH)
+@click.argument("case", type=CaseType())
 @click.option(
     "--refit", is_flag=True, help="Re-optimise every fit from its recorded parameters, and decide by the results."
 )
 @click.option("--engines", is_flag=True, help="Run the engines, too, and compare their errors.")
 @_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
+@quiet_option
 def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: Any) -> None:
     """Replay a diagnosis: check that its seal, its decisions and all that it concludes come out again.
 
@@ -309,7 +318,7 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
     from harness.api.outputs import to_json
     from harness.api.replay import replay as again
 
-    done = again(diagnosis, case, refit=refit, progress=True, **options)
+    done = again(diagnosis, case, refit=refit, progress=not is_quiet(), **options)
     if as_json:
         content = asdict(done)
         click.echo(to_json({"diagnosis": str(content.pop("origin")), "reproduced": done.reproduced, **content}))
@@ -402,9 +411,12 @@ def simulate(out: Path, **options: Any) -> None:
     click.echo(simulate_case(out, **options))
 
 
+main.add_command(check)
 main.add_command(sweep)
 main.add_command(tune)
 main.add_command(check_scene)
 main.add_command(import_)
 main.add_command(export)
 main.add_command(compile_)
+main.add_command(doctor)
+main.add_command(completion)

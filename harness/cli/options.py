@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
+_QUIET = "harness.quiet"
 _LONGEST_NAME, _LONGEST_PATH = 255, 4095  # bytes; what Linux takes
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -45,6 +47,17 @@ class PathType(click.Path):
         return super().convert(value, param, ctx)
 
 
+class CaseType(PathType):
+    """A case: a path, or the name of a bundled one, which a shell completes, too."""
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """Bundled cases that begin so, then files and folders."""
+        from harness.recording.case import BUILT_IN
+
+        names = [CompletionItem(name) for name in BUILT_IN if name.startswith(incomplete)]
+        return [*names, *super().shell_complete(ctx, param, incomplete)]
+
+
 class FiniteRange(click.FloatRange):
     """A finite number within bounds."""
 
@@ -66,3 +79,20 @@ class Whole(click.IntRange):
         if isinstance(value, str) and not re.fullmatch(r"[+-]?\d+", value.strip(), re.ASCII):
             self.fail(f"{value!r} is not a whole number", param, ctx)
         return super().convert(value, param, ctx)
+
+
+quiet_option = click.option(
+    "--quiet",
+    "-q",
+    is_flag=True,
+    expose_value=False,
+    callback=lambda ctx, param, value: ctx.meta.__setitem__(_QUIET, value),
+    help="Show no progress; print only the result in a line or two, and errors.",
+)
+"""Of every command that takes long; `is_quiet` tells whether it was given."""
+
+
+def is_quiet() -> bool:
+    """Whether the command that runs was asked to be quiet."""
+    ctx = click.get_current_context(silent=True)
+    return ctx is not None and bool(ctx.meta.get(_QUIET))

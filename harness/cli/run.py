@@ -10,6 +10,7 @@ import click
 
 from harness.api.comparison import HEADS, REPORT, Comparison, compare, headline_rows
 from harness.api.outputs import report_folder, to_json
+from harness.cli.options import is_quiet
 from harness.recording.case import BUNDLED, load_case
 from harness.recording.findings import warnings_of
 from harness.recording.rig_changes import with_rig_changes
@@ -43,8 +44,9 @@ def run_case(
     settings = read_settings(parameters, assignments)
     folder = out or report_folder(path or BUNDLED)
     case = with_rig_changes(load_case(path or BUNDLED), parameters)
-    made = compare(case, settings=settings, check=check_limits, out=folder, progress=True, **options)
-    click.echo(_as_json(made, folder) if as_json else _as_text(made, folder))
+    made = compare(case, settings=settings, check=check_limits, out=folder, progress=not is_quiet(), **options)
+    brief = "\n".join([*made.answer[:1], f"report: {folder / REPORT}"])
+    click.echo(_as_json(made, folder) if as_json else brief if is_quiet() else _as_text(made, folder))
     for text in (*_failures(made), *made.report_failures):
         click.echo(f"error: {text}", err=True)
     if made.study.engine_failures or made.report_failures:

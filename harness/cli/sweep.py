@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from harness.cli.options import PathType, Whole
+from harness.cli.options import PathType, Whole, is_quiet, quiet_option
 
 
 @click.command()
@@ -34,6 +34,7 @@ from harness.cli.options import PathType, Whole
 )
 @click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON on stdout.")
+@quiet_option
 def sweep(spec: Path, out: Path | None, jobs: int | None, on: str, force: bool, yes: bool, as_json: bool) -> None:
     """Run models and engines over contact parameters, step sizes [s], rig quantities, effects and recordings.
 
@@ -54,9 +55,9 @@ def sweep(spec: Path, out: Path | None, jobs: int | None, on: str, force: bool, 
 
     command = shlex.join(["harness", *sys.argv[1:]])
     workers = jobs or os.cpu_count() or 1
-    made = carry_out(spec, out=out, jobs=workers, on=on, force=force, yes=yes, command=command, progress=True)
+    made = carry_out(spec, out=out, jobs=workers, on=on, force=force, yes=yes, command=command, progress=not is_quiet())
     files = f"rows: {made.folder / ROWS}\nreport: {made.folder / REPORT}"
-    click.echo(to_json(made.content()) if as_json else f"{made!r}\n\n{files}")
+    click.echo(to_json(made.content()) if as_json else files if is_quiet() else f"{made!r}\n\n{files}")
     for name in made.failed_sources:
         click.echo(f"error: all runs of {name} failed; the report says how", err=True)
     for one in made.report_failures:

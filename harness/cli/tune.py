@@ -10,13 +10,13 @@ from typing import Any
 
 import click
 
-from harness.cli.options import PathType
+from harness.cli.options import CaseType, PathType, is_quiet, quiet_option
 
 _PATH = PathType()
 
 
 @click.command()
-@click.argument("case", type=_PATH)
+@click.argument("case", type=CaseType())
 @click.option("--engine", default="mujoco", show_default=True, metavar="NAME", help="mujoco, pybullet or dart.")
 @click.option(
     "--free",
@@ -47,6 +47,7 @@ _PATH = PathType()
 )
 @click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print tuning.json on stdout.")
+@quiet_option
 def tune(
     case: Path,
     free: str | None,
@@ -86,11 +87,13 @@ def tune(
         out=folder,
         jobs=os.cpu_count() or 1,
         command=shlex.join(["harness", *sys.argv[1:]]),
-        progress=True,
+        progress=not is_quiet(),
         **options,
     )
     if as_json:
         click.echo(to_json(made.content()))
+    elif is_quiet():
+        click.echo("\n".join([*made.sentences[:1], f"report: {folder / REPORT}"]).replace("`", ""))
     else:
         click.echo(str(made.summary().text()))
         for one in warnings_of(loaded.findings):

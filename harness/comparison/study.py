@@ -79,6 +79,12 @@ class Study:
                 first[run.source] = min(time, first.get(run.source, math.inf))
         return {source: f"t = {time:.3f} s: {Failure.LIFTED_OFF.value}" for source, time in first.items()}
 
+    @property
+    def sources_by_lift_off(self) -> Mapping[str, tuple[str, ...]]:
+        """What `lift_offs` says, with the sources that say it."""
+        said = self.lift_offs
+        return {text: tuple(one for one in said if said[one] == text) for text in said.values()}
+
     def run_of(self, source: str, horizon: Horizon) -> SourceRuns:
         """The runs of one source on one horizon."""
         return next(r for r in self.runs if r.source == source and r.horizon.name == horizon.name)

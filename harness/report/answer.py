@@ -227,12 +227,9 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
 
 
 def _lift_offs(study: Study) -> list[tuple[str, str]]:
-    groups: dict[str, list[str]] = {}
-    for source, text in study.lift_offs.items():
-        groups.setdefault(text, []).append(source)
     return [
         ("every source" if len(sources) == len(study.sources) else names(sources), text)
-        for text, sources in groups.items()
+        for text, sources in study.sources_by_lift_off.items()
     ]
 
 

@@ -1,6 +1,6 @@
 """Sections on the engines: their errors split into step size, contact model and missing physics; health, settings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
@@ -108,7 +108,7 @@ def health(subject: Subject) -> Section | None:
     context = {
         "failures": [(run.horizon.name, str(failure)) for run in runs for failure in run.failures],
         "warnings": sorted(warnings),
-        "lift_offs": _grouped(study.lift_offs),
+        "lift_offs": [(", ".join(map(label_of, who)), text) for text, who in study.sources_by_lift_off.items()],
         "table": _health(runs),
         "settings": [
             (_title(engine), engine.version(), list(parameters.model_dump().items()))
@@ -116,14 +116,6 @@ def health(subject: Subject) -> Section | None:
         ],
     }
     return Section("engines", "Engines", "Engines", "comparison/engines.html", context)
-
-
-def _grouped(texts_by_source: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Labels of the sources that say the same, with the text."""
-    groups: dict[str, list[str]] = {}
-    for source, text in texts_by_source.items():
-        groups.setdefault(text, []).append(label_of(source))
-    return [(", ".join(labels), text) for text, labels in groups.items()]
 
 
 def _title(engine: Engine) -> str:

@@ -1,0 +1,219 @@
+"""Checks whether a case is fit for use: what is odd in it, and which effects it could show at which size."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from harness.api.case import Case, case_of, input_files
+from harness.api.diagnosis import input_hashes
+from harness.api.outputs import sealed_json, write_csv
+from harness.api.progress import shown
+from harness.api.writing import all_or_nothing, hashes_of
+from harness.failures import Failures
+from harness.progress import Progress, Stage
+from harness.provenance import versions
+from harness.recording import Case as CheckedCase
+from harness.recording.findings import STOPPING
+from harness.recording.own_files import NEXT_EXPERIMENT
+from harness.report.tables import Summarised, Summary
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from harness.identify.design.detection import Detection
+    from harness.identify.design.proposal import Proposal
+    from harness.report.check.content import Subject
+
+FILE, REPORT = "check.json", "check.html"
+_FEWEST = 20  # positions that a recording needs, as for a diagnosis
+
+
+@dataclass(frozen=True, repr=False)
+class Check(Summarised):
+    """What `check` found.
+
+    Attributes:
+        case: what was checked; `case.findings` is what is odd in it.
+        reasons: why it is not fit for use; empty if it is.
+        detection: detection limits; `None` where an input is not worth computing them.
+        proposal: the motion to record instead; `None` if every effect shows or none would help.
+    """
+
+    case: Case
+    reasons: tuple[str, ...]
+    detection: Detection | None = None
+    proposal: Proposal | None = None
+
+    @property
+    def fit(self) -> bool:
+        """Whether the recordings are fit for use."""
+        return not self.reasons
+
+    @property
+    def sentence(self) -> str:
+        """The answer."""
+        if self.detection is None:
+            return "Not fit for use."
+        limits = self.detection.limits
+        now = sum(one.shows(one.limit) for one in limits)
+        later = sum(one.seen for one in limits)
+        more = f", {later} once what the declared model lacks is explained" if later > now else ""
+        told = f"{now} of {len(limits)} effects would show at their typical size{more}."
+        return f"{'Fit for use' if self.fit else 'Not fit for use'}: {told}"
+
+    @property
+    def next_sentence(self) -> str:
+        """What to record instead; empty if every effect shows."""
+        if self.detection is None or all(one.seen for one in self.detection.limits):
+            return ""
+        if self.proposal is None:
+            return (
+                "No motion that was tried within the ranges of these recordings would show more: let the beam turn "
+                "further or faster, or the ball roll farther."
+            )
+        from harness.identify.design.proposal import sentence
+
+        return sentence(self.proposal)
+
+    @property
+    def effects(self) -> pd.DataFrame:
+        """One row an effect: `effect`, `parameter`, `unit`, `limit`, `limit_explained`, `typical` (distances from
+        `neutral`, in the unit), `shows` and `shows_explained` (at the typical size), `alike` and `told_apart_from`."""
+        import pandas as pd
+
+        return pd.DataFrame(self._rows())
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "effect": one.effect,
+                "parameter": one.parameter,
+                "unit": one.unit,
+                "neutral": one.neutral,
+                "limit": one.limit,
+                "limit_explained": one.explained,
+                "typical": one.typical,
+                "shows_below_limit": one.inverse,
+                "shows": one.shows(one.limit),
+                "shows_explained": one.seen,
+                "alike": dict(one.alike),
+                "told_apart_from": one.apart,
+            }
+            for one in (self.detection.limits if self.detection else ())
+        ]
+
+    def summary(self) -> Summary:
+        """The answer, reasons, findings and the effects."""
+        from harness.report.check.effects import alike_table, hidden_text, limits_table
+
+        lines = [self.sentence, *self.reasons]
+        if self.case.simulated:
+            lines.append("The recordings are simulated.")
+        lines += [str(one) for one in self.case.findings]
+        if self.detection is not None and self.detection.hidden:
+            lines.append(hidden_text(self.detection))
+        lines += [self.next_sentence] if self.next_sentence else []
+        limits = self.detection.limits if self.detection else ()
+        alike = alike_table(limits)
+        tables = ([limits_table(limits)] if limits else []) + ([alike] if alike else [])
+        return Summary(f"Check of {self.case.path}", lines, tables)
+
+    def record(self) -> dict[str, Any]:
+        """Content of check.json, without its seal; numbers that are not finite become null."""
+        return {
+            "schema": 1,
+            "case": str(self.case.path),
+            "simulated": self.case.simulated,
+            "fit": self.fit,
+            "sentence": self.sentence,
+            "reasons": list(self.reasons),
+            "findings": [{**asdict(one), "stops": one.stops} for one in self.case.findings],
+            "effects": self._rows(),
+            "hidden": list(self.detection.hidden) if self.detection else [],
+            "next_experiment": self.next_sentence or None,
+            "inputs": {"hashes": input_hashes(self.case), "versions": versions()},
+        }
+
+    def save(self, folder: str | Path, *, force: bool = False) -> Path:
+        """Write check.json, check.html and, if a motion is proposed, next_experiment.csv; all of them or none.
+
+        Args:
+            folder: to write into.
+            force: replace files that this did not write, or that have been changed since, too.
+
+        Returns:
+            The folder.
+
+        Raises:
+            InputError: the folder cannot be written, or a file is in the way.
+        """
+        import pandas as pd
+
+        from harness.report.check import render_check
+
+        folder = Path(folder)
+        names = (FILE, REPORT, *((NEXT_EXPERIMENT,) if self.proposal else ()))
+        inputs = input_files(self.case)
+        with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
+            if self.proposal is not None:
+                write_csv(pd.DataFrame(self.proposal.table()), scratch / NEXT_EXPERIMENT)
+            failures = Failures()
+            (scratch / REPORT).write_text(render_check(self._subject(), failures), encoding="utf-8")
+            told = {"failures": [str(one) for one in failures.all], "files": hashes_of(scratch)}
+            (scratch / FILE).write_text(sealed_json(self.record() | told), encoding="utf-8")
+        return folder
+
+    def _subject(self) -> Subject:
+        from harness.report.check.content import Subject
+
+        return Subject(self.case, self.sentence, self.reasons, self.detection, self.proposal, self.next_sentence)
+
+
+def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) -> Check:
+    """Check whether a case is fit for use, and which effects it could show at which size; nothing is searched for.
+
+    Args:
+        case: as of `load_case`, or its path.
+        progress: show a bar on stderr, or a function to be told.
+
+    Raises:
+        InputError: the case cannot be read, or its rig not be completed.
+    """
+    with shown(progress) as tell:
+        tell("reading the recordings", share=0.0)
+        read = case_of(case)
+        reasons = _worthless(read)
+        if reasons:
+            return Check(read, reasons)
+        from harness.identify.design.choose import choose_to_detect
+        from harness.identify.design.detection import detection_limits
+        from harness.identify.pose import problem_of
+
+        tell("drives and rig", share=0.1)
+        problem = problem_of(read)
+        found = detection_limits(problem, Stage(tell, 0.2, 0.8, 3.0))
+        unseen = [one.effect for one in found.limits if not one.seen]
+        share = problem.settings.unseen_share
+        if len(unseen) > share * len(found.limits):
+            reasons = (
+                f"Too little to go by: {len(unseen)} of {len(found.limits)} effects would not show at their typical "
+                "size, so that finding none would mean nothing. Record longer, at a higher rate, or with more motion.",
+            )
+        proposal = None
+        if unseen:
+            tell("what to record instead", share=0.8)
+            proposal = choose_to_detect(problem, found.base, unseen, length=read.rig.length)
+    return Check(read, reasons, found, proposal)
+
+
+def _worthless(case: Case) -> tuple[str, ...]:
+    """Why no use can be made of the input as it is."""
+    stopping = [one for one in case.findings_on(case.identify) if one.stops]
+    if stopping:
+        return tuple(f"{one.where}: {STOPPING[one.code]}; correct the input [{one.code}]." for one in stopping)
+    most = max((int(case.recordings[name].usable.sum()) for name in case.identify), default=0)
+    if most < _FEWEST:
+        return (f"Too few positions: the best recording has {most} that can be used, {_FEWEST} are the fewest.",)
+    return ()

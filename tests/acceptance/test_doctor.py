@@ -1,0 +1,128 @@
+"""`harness doctor`, shell completion, colours and --quiet, as a user meets them."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.shell_completion import ShellComplete
+
+from harness.api import doctor
+from harness.api.doctor import Doctor, Finding
+from harness.cli.completion import SHELLS
+from harness.cli.main import main
+from harness.errors import InputError
+from tests.acceptance.conftest import Harness
+from tests.acceptance.short import write_short_case
+
+
+def test_this_machine_is_examined(harness: Harness) -> None:
+    """Load and run the engines, list versions, and end with 0 where the tests themselves run."""
+    done = harness("doctor", "--json")
+    assert done.code == 0, done.out
+    found = {one["name"]: one for one in json.loads(done.out)["findings"]}
+    for name in ("engine mujoco", "engine pybullet"):
+        assert found[name]["ok"], found[name]
+        assert "loads and runs" in found[name]["text"]
+    assert {"python", "numpy", "OpenGL", "cores", "memory", "cache of kernels", "temporary folder"} <= set(found)
+
+
+def test_an_engine_that_does_not_load_is_told(harness: Harness, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End with 1, name the engine and say what to do."""
+    failed = Finding("engine mujoco", False, "cannot be loaded", "run `make setup`")
+    monkeypatch.setattr(doctor, "_engine", lambda name: failed)
+    done = harness("doctor")
+    assert done.code == 1
+    assert "not ok  engine mujoco" in done.out
+    assert "make setup" in done.out
+
+
+def test_what_is_optional_does_not_fail() -> None:
+    """Stay fit when only something optional is missing, and name it."""
+    made = Doctor((Finding("engine dart", False, "no libGL", "install it", needed=False),))
+    assert made.fit
+    assert "engine dart" in made.sentence
+
+
+def test_an_unknown_engine_raises() -> None:
+    """Raise what the engine's loader says rather than pass."""
+    with pytest.raises(InputError, match="no engine"):
+        doctor.run_steps("bullet9")
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_completion_scripts_are_printed(shell: str, harness: Harness) -> None:
+    """Print a script that asks `harness` itself, valid in the shell where that is installed."""
+    done = harness("completion", shell)
+    assert done.code == 0
+    assert "_HARNESS_COMPLETE" in done.out
+    if shutil.which(shell):
+        checked = subprocess.run([shell, "-n"], input=done.out, text=True, capture_output=True, check=False)
+        assert checked.returncode == 0, checked.stderr
+
+
+def completed(*words: str) -> list[tuple[str, str]]:
+    """What a shell offers for the last of these words: kind and text of each."""
+    *before, last = words
+    made = ShellComplete(main, {}, "harness", "_HARNESS_COMPLETE").get_completions(list(before), last)
+    return [(one.type, one.value) for one in made]
+
+
+def test_commands_options_and_cases_complete() -> None:
+    """Offer commands, options, bundled cases, and leave paths to the shell."""
+    assert ("plain", "diagnose") in completed("diag")
+    assert ("plain", "--quiet") in completed("diagnose", "--qu")
+    offered = completed("check", "open_")
+    assert ("plain", "open_ball_beam") in offered
+    assert "file" in {kind for kind, _ in offered}
+    assert completed("predict", "reports/my")[0][0] == "file"
+
+
+def test_bash_completes_through_its_protocol() -> None:
+    """Answer the question that the script for bash asks."""
+    asked = {"COMP_WORDS": "harness check paper", "COMP_CWORD": "2", "_HARNESS_COMPLETE": "bash_complete"}
+    done = subprocess.run(
+        [sys.executable, "-m", "harness"], env=os.environ | asked, capture_output=True, text=True, check=False
+    )
+    assert "plain,paper_protocol" in done.stdout.splitlines()
+
+
+def test_no_colour_where_it_is_not_wanted(tmp_path: Path) -> None:
+    """Draw progress in colour on a terminal, and without any under NO_COLOR."""
+    script = (
+        "import io, re; from rich.console import Console; from harness.api.progress import _bar\n"
+        "out = io.StringIO(); console = Console(file=out, force_terminal=True, width=80)\n"
+        "with _bar(console) as bar: bar.update(bar.add_task('x', total=1.0), completed=0.5, refresh=True)\n"
+        "print(len(re.findall(r'\\x1b\\[[0-9;]*3[0-9][0-9;]*m', out.getvalue())))"
+    )
+    plain = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
+    plain |= {"TERM": "xterm-256color"}
+    counts = [
+        int(subprocess.run([sys.executable, "-c", script], env=env, capture_output=True, text=True, check=True).stdout)
+        for env in (plain, plain | {"NO_COLOR": "1"})
+    ]
+    assert counts[0] > 0
+    assert counts[1] == 0
+
+
+@pytest.mark.parametrize("name", ["run", "diagnose", "replay", "tune", "sweep", "check", "check-scene"])
+def test_every_long_command_can_be_quiet(name: str) -> None:
+    """Take --quiet wherever progress is shown."""
+    assert any("--quiet" in one.opts for one in main.commands[name].params)
+
+
+def test_a_quiet_run_prints_the_answer_and_the_report(harness: Harness, tmp_path: Path) -> None:
+    """Print two lines and no progress, and write the same files."""
+    case = write_short_case(tmp_path / "case")
+    done = harness("run", case, "--quiet", "--engine", "mujoco", "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    assert done.err == ""
+    answer, report = done.out.splitlines()
+    assert answer
+    assert report == f"report: {tmp_path / 'out' / 'report.html'}"
+    assert (tmp_path / "out" / "metrics.csv").is_file()
