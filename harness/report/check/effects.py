@@ -13,8 +13,8 @@ from harness.report.tables import Column, Row, Table, texts
 BEYOND = "no size"
 AS_RECORDED = "the expected gain reaches the threshold of the diagnosis, while the model lacks what it lacks now"
 SEARCHED = (
-    "Of effects with a place or a shape (a bump of the track most of all) the strength alone is counted, at a typical shape "
-    "in the middle of the track: the search has to find these, too, so that such limits are lower bounds."
+    "Of effects with a place or a shape, a bump of the track most of all, the strength alone is counted, at a typical "
+    "shape in the middle of the track: the search has to find these, too, so that such limits are lower bounds."
 )
 EXPLAINED = "the same once everything else that is missing has been found"
 
