@@ -14,7 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TypeVar
 
-from harness.errors import EngineFailure, HarnessError
+from harness.errors import INTERRUPTS, EngineFailure, HarnessError
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -78,16 +78,30 @@ class Failures:
 
 
 def caught(part: Part, name: str, job: Callable[[], T]) -> T | Failed:
-    """The result of `job`, or its failure, which can be pickled."""
+    """The result of `job`, or its failure, which can be pickled.
+
+    Raises:
+        KeyboardInterrupt, Terminated: a signal came, even if the part made another exception of it.
+    """
     try:
         return job()
     except Exception as error:
+        _let_signals_pass(error)
         if isinstance(error, EngineFailure) and error.__cause__ is not None:  # an exception of the engine's package
             return Failed(part, name, str(error), _place(error.__cause__))
         if isinstance(error, HarnessError):
             return Failed(part, name, str(error), of_the_rig=isinstance(error, EngineFailure) and error.of_the_rig)
         text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         return Failed(part, name, text, _place(error))
+
+
+def _let_signals_pass(error: BaseException) -> None:
+    """Raise the signal of which `error` was made: compiled code that it interrupts raises a `SystemError` from it."""
+    behind: BaseException | None = error
+    while behind is not None:
+        if isinstance(behind, INTERRUPTS):
+            raise behind
+        behind = behind.__cause__ or behind.__context__
 
 
 def _place(error: BaseException) -> str:

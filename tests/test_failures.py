@@ -6,7 +6,7 @@ import pickle
 
 import pytest
 
-from harness.errors import EngineFailure, InputError
+from harness.errors import EngineFailure, InputError, Terminated
 from harness.failures import Failed, Failures, Part, attempt, caught
 
 
@@ -35,6 +35,20 @@ def test_a_message_for_the_user_stands_alone() -> None:
     assert str(caught(Part.ENGINE, "mujoco", refuse)) == (
         "engine mujoco failed: the rig cannot be built; widen the gap"
     )
+
+
+@pytest.mark.parametrize("came", [KeyboardInterrupt, Terminated])
+def test_a_signal_is_no_failure_of_a_part(came: type[BaseException]) -> None:
+    """Raise what a signal raised, though the compiled code that it came upon made a `SystemError` of it."""
+
+    def interrupted() -> None:
+        try:
+            raise came
+        except came as signal:
+            raise SystemError("returned a result with an exception set") from signal
+
+    with pytest.raises(came):
+        attempt(Failures(), Part.SEARCH, "swaps", interrupted, None)
 
 
 def test_without_a_collector_exceptions_pass() -> None:
