@@ -27,7 +27,7 @@ _ROWS, _DOCS = Path("build/growth/times.jsonl"), Path("docs")
     "--sysid",
     "case",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="Case to compare with one fit by mujoco.sysid (extra `sysid`), such as /work/shared/cases/viscous.",
+    help="Case to compare with one fit by mujoco.sysid (extra `sysid`), a folder with rig.toml.",
 )
 @click.option("--rounds", type=click.IntRange(1), default=1, show_default=True, help="Repetitions of everything.")
 @click.option("--rows", "path", type=click.Path(path_type=Path), default=_ROWS, show_default=True, help="Times so far.")
@@ -41,7 +41,7 @@ def main(most_recordings: int, longest: float, case: Path | None, rounds: int, p
     \b
     Examples:
       python -m benchmarks.growth --most-recordings 8 --longest 64
-      python -m benchmarks.growth --sysid /work/shared/cases/viscous --rounds 3
+      python -m benchmarks.growth --sysid my_rig/ --rounds 3
     """
     source = sources_digest()
     rows = Rows(path, source)

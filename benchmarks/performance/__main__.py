@@ -16,7 +16,7 @@ from benchmarks.performance.page import Line, in_readme, page, summary, table
 from harness.progress import Progress
 
 _DOCS, _README = Path("docs"), Path("README.md")
-_CASES = Path("../shared/cases"), Path("/work/shared/cases")
+_CASES = Path("../shared/cases")
 _KERNEL = (
     "200 runs of a recording of 16 s at 100 Hz in steps of 2.5 ms through `analytic.kernel.integrate`, against the "
     "same steps in C (`benchmarks/performance/rk4.c`, gcc {flags}), called once a run; results agree to a nanometre."
@@ -69,14 +69,13 @@ def measured(pairs: int, folder: Path, tell: Progress) -> tuple[list[Line], list
     first = commands.first_against_later(pairs, folder)
     lines.append(Line.times("first `harness run` after set-up, time over that of a later one", 1.3, first, about))
     tell("diagnosis")
-    cases = next((one for one in _CASES if one.is_dir()), None)
-    if cases is None:
+    if not _CASES.is_dir():
         return lines, [*left_out, "lines of `harness diagnose`: the folder ../shared with their cases is absent"]
     if importlib.util.find_spec("mujoco.sysid") is None:
         left_out.append("`harness diagnose` against `mujoco.sysid`: the extra `sysid` is not installed")
     else:
-        lines.append(_of_diagnosis(pairs, cases / "viscous", folder))
-    times, parts = commands.diagnoses(pairs, cases / "unlisted_wind", folder)
+        lines.append(_of_diagnosis(pairs, _CASES / "viscous", folder))
+    times, parts = commands.diagnoses(pairs, _CASES / "unlisted_wind", folder)
     title, about = "`harness diagnose` of the simulated case `unlisted_wind`", "Processor time of all processes."
     reason = f"Where the time goes (medians of shares of the wall time): {parts}."
     lines.append(Line(title, 10.0, True, tuple(times), about, unit="s", reason=reason))

@@ -3,9 +3,7 @@
 Interrupted (SIGINT) a command ends with 130, terminated (SIGTERM) with 143; both clean up.
 """
 
-import math
 import os
-import re
 import shlex
 import signal
 import sys
@@ -15,7 +13,6 @@ from typing import Any
 
 import click
 
-from analytic.motion import State
 from harness.cli.check import check
 from harness.cli.check_scene import check_scene
 from harness.cli.compile import compile_
@@ -23,7 +20,16 @@ from harness.cli.completion import completion
 from harness.cli.doctor import doctor
 from harness.cli.export import export
 from harness.cli.import_ import import_
-from harness.cli.options import CaseType, FiniteRange, PathType, Whole, is_quiet, number_in, quiet_option
+from harness.cli.options import (
+    AngleType,
+    CaseType,
+    FiniteRange,
+    PathType,
+    StateType,
+    Whole,
+    is_quiet,
+    quiet_option,
+)
 from harness.cli.sweep import sweep
 from harness.cli.termination import terminable
 from harness.cli.tune import tune
@@ -63,43 +69,6 @@ class RunCommand(click.Command):
                 rows = [(key, f"[{default}] {text}") for key, default, text in describe(engine_of(name))]
                 formatter.write_dl(rows, col_max=36)
         super().format_epilog(ctx, formatter)
-
-
-class StateType(click.ParamType):
-    """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
-
-    name = "S,V"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
-        """Parse the option."""
-        if value is None or isinstance(value, State) or value == "estimate":
-            return None if value == "estimate" else value
-        try:
-            position, velocity = map(number_in, str(value).split(","))
-        except ValueError:
-            self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
-        return State(position, velocity)
-
-
-class AngleType(click.ParamType):
-    """`-0.16deg`, `-0.0028rad` or `-0.0028` (rad); `estimate`."""
-
-    name = "ANGLE"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Parse the option; radians."""
-        if value is None or isinstance(value, float) or value == "estimate":
-            return value
-        found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
-        try:
-            angle = (
-                number_in(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
-            )
-        except ValueError:
-            angle = math.nan
-        if not math.isfinite(angle):
-            self.fail(f"{value!r} is not an angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
-        return angle
 
 
 _PATH = PathType()

@@ -1,4 +1,4 @@
-"""Types of options: paths that a system can have, and numbers that are finite and written plainly."""
+"""Types of options: paths that a system can have, numbers that are finite and written plainly, states and angles."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
+
+from analytic.motion import State
 
 _QUIET = "harness.quiet"
 _LONGEST_NAME, _LONGEST_PATH = 255, 4095  # bytes; what Linux takes
@@ -69,6 +71,43 @@ class FiniteRange(click.FloatRange):
             except ValueError as error:
                 self.fail(f"{error}", param, ctx)
         return super().convert(value, param, ctx)
+
+
+class StateType(click.ParamType):
+    """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
+
+    name = "S,V"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> State | None:
+        """Parse the option."""
+        if value is None or isinstance(value, State) or value == "estimate":
+            return None if value == "estimate" else value
+        try:
+            position, velocity = map(number_in, str(value).split(","))
+        except ValueError:
+            self.fail(f"{value!r} is not position,velocity in m and m/s, as in 0.36,0", param, ctx)
+        return State(position, velocity)
+
+
+class AngleType(click.ParamType):
+    """`-0.16deg`, `-0.0028rad` or `-0.0028` (rad); `estimate`."""
+
+    name = "ANGLE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Parse the option; radians."""
+        if value is None or isinstance(value, float) or value == "estimate":
+            return value
+        found = re.fullmatch(r"(.*?)(deg|°|rad)?", str(value).strip())
+        try:
+            angle = (
+                number_in(found[1]) * (1.0 if found[2] in (None, "rad") else math.radians(1.0)) if found else math.nan
+            )
+        except ValueError:
+            angle = math.nan
+        if not math.isfinite(angle):
+            self.fail(f"{value!r} is not an angle; write -0.16deg, -0.0028rad or estimate", param, ctx)
+        return angle
 
 
 class Whole(click.IntRange):

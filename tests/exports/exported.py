@@ -108,23 +108,23 @@ class InC:
     def __init__(self, model: ExportModel, folder: Path) -> None:
         for name, text in c_files(model).items():
             (folder / name).write_text(text, encoding="utf-8")
-        library = folder / "libball_beam.so"
+        built = folder / "libball_beam.so"
         strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off"]
         main = ["-o", folder / "ball_beam", folder / "main.c", folder / "ball_beam.c", "-lm"]
         subprocess.run(["cc", *strict, *main], check=True)
-        subprocess.run(["cc", *strict, "-shared", "-fPIC", "-o", library, folder / "ball_beam.c", "-lm"], check=True)
-        self.program, self.library = folder / "ball_beam", ctypes.CDLL(str(library))
+        subprocess.run(["cc", *strict, "-shared", "-fPIC", "-o", built, folder / "ball_beam.c", "-lm"], check=True)
+        self.program, self.compiled = folder / "ball_beam", ctypes.CDLL(str(built))
         for function, count in (("bb_acceleration", 7), ("bb_dry_limit", 8)):
-            getattr(self.library, function).restype = ctypes.c_double
-            getattr(self.library, function).argtypes = [ctypes.c_double] * count
+            getattr(self.compiled, function).restype = ctypes.c_double
+            getattr(self.compiled, function).argtypes = [ctypes.c_double] * count
 
     def acceleration(self, *at: float) -> float:
         """s̈ [m/s²]."""
-        return float(self.library.bb_acceleration(*at))
+        return float(self.compiled.bb_acceleration(*at))
 
     def dry_limit(self, *at: float) -> float:
         """What dry friction holds up [m/s²]."""
-        return float(self.library.bb_dry_limit(*at))
+        return float(self.compiled.bb_dry_limit(*at))
 
     def run(self, beam: QuinticMotion, s: float, phase: float = 0.0, *, angle_only: bool = False) -> FloatArray:
         """What the example prints of a ball from rest at s [m], shape (n,) [m]."""
