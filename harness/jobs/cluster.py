@@ -30,6 +30,8 @@ from harness.time_limit import TimeLimit
 from harness.time_limit import time_limit as limited
 
 _CONNECT = 15.0  # [s]
+_DESERTED = 60.0  # without any worker, after which a run ends; a nanny starts a worker anew within seconds [s]
+_POLL = 0.05  # [s]
 _GRACE = 2.0  # from the exception to the end of the process [s]
 _ALONE = threading.Lock()  # engines have state of the process: one job at a time, however many threads a worker has
 
@@ -95,8 +97,8 @@ class Dask:
                     self._submit(function, _Job(*task), time_limit, pending, done)
                 if not pending:
                     return
-                future = next(done)
-                job = pending.pop(future.key)
+                future = self._next(done)
+                job = pending.pop(str(future.key))
                 result = self._result(future, job, time_limit)
                 if result is _AGAIN:
                     self._submit(function, job, time_limit, pending, done)
@@ -104,6 +106,27 @@ class Dask:
                 yield job.index, result
         finally:
             self._client.cancel([job.future for job in pending.values()], force=True)
+
+    def _next(self, done: as_completed) -> Future:
+        """The next job that ends.
+
+        Raises:
+            HarnessError: the cluster has had no worker for a minute; Dask itself would wait for ever.
+        """
+        peopled = checked = time.monotonic()
+        while not done.has_ready():
+            time.sleep(_POLL)
+            if time.monotonic() - checked < min(_DESERTED / 4.0, 5.0):
+                continue
+            checked = time.monotonic()
+            if self.workers:
+                peopled = checked
+            elif checked - peopled > _DESERTED:
+                raise HarnessError(
+                    f"{self.address}: has had no workers for {_DESERTED:.0f} s; start some with "
+                    f"`dask worker {self.address} --nthreads 1`, and the same command goes on"
+                )
+        return next(done)
 
     def _submit(
         self,

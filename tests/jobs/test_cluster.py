@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from harness.errors import InputError
+from harness.errors import HarnessError, InputError
 from harness.jobs import Executor, Local, Lost, executor_on
 from tests.jobs.functions import always_computes, always_fills, always_hangs, killed_once, raised, square
 
@@ -15,13 +21,49 @@ distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.slow
 
 
+@contextmanager
+def _started(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A command of Dask as users start it, ended with all that it has started."""
+    process = subprocess.Popen([sys.executable, "-m", *arguments], start_new_session=True)
+    try:
+        yield process
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+@contextmanager
+def _cluster(folder: Path) -> Iterator[tuple[Executor, subprocess.Popen[bytes]]]:
+    """A scheduler and two workers of 700 MB each, with nannies that start them anew; the nannies' process.
+
+    Processes of their own, and killed in the end: a `LocalCluster` that is closed while one of its workers starts
+    waits for ever.
+    """
+    file = folder / "scheduler.json"
+    common = ["--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)]
+    with _started("distributed.cli.dask_scheduler", "--port", "0", *common):
+        _wait(file.exists)
+        workers = ["--nworkers", "2", "--nthreads", "1", "--memory-limit", "700MB", "--local-directory", str(folder)]
+        with (
+            _started("distributed.cli.dask_worker", *workers, *common) as nannies,
+            distributed.Client(scheduler_file=str(file), set_as_default=False) as client,
+        ):
+            client.wait_for_workers(2, timeout=60)
+            yield executor_on(client.scheduler.address.replace("tcp://", "dask://")), nannies
+
+
+def _wait(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
 @pytest.fixture(scope="module")
-def executor() -> Iterator[Executor]:
-    """Two workers of 700 MB each, with nannies that start them anew."""
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, memory_limit="700MB", dashboard_address=None
-    ) as cluster:
-        yield executor_on(cluster.scheduler_address.replace("tcp://", "dask://"))
+def executor(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Executor]:
+    """Jobs on two workers."""
+    with _cluster(tmp_path_factory.mktemp("dask")) as (found, _):
+        yield found
 
 
 @pytest.mark.parametrize("kind", ["", "kill"])
@@ -68,3 +110,14 @@ def test_an_address_where_nobody_answers_is_refused(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("harness.jobs.cluster._CONNECT", 1.0)
     with pytest.raises(InputError, match="dask scheduler"):
         executor_on("dask://127.0.0.1:9")
+
+
+def test_a_cluster_without_workers_ends_the_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Say after a while that nobody works there, and how to go on, instead of waiting for ever."""
+    monkeypatch.setattr("harness.jobs.cluster._DESERTED", 1.0)
+    with _cluster(tmp_path) as (executor, nannies):
+        results = executor.run(always_hangs, range(4))
+        next(results)
+        os.killpg(nannies.pid, signal.SIGKILL)
+        with pytest.raises(HarnessError, match="no workers for 1 s; start some"):
+            list(results)
