@@ -16,13 +16,15 @@ from benchmarks.calibration.trials import RIG, Trial
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
-from harness.simulator import Experiment, Record, SimulatedRecording, with_imperfections, write_case
+from harness.simulator import DEFLECTION, Experiment, Record, SimulatedRecording, with_imperfections, write_case
 
 # Where the pivot is to be found, the baseline is what CAM is without the α̈ term. CUM as printed has R in the inertia
 # besides, which is a gain of 7 % on everything, and would be found as one.
 WITHOUT_PIVOT = CUM.variant("cum_rolling_radius", inertia_radius="r")
 
 PIVOT = ECCENTRIC_PIVOT.name
+# A controller's limit lies anywhere within an encoder's count; at 3° it is always a third from 40,000 counts a turn.
+_DEFLECTIONS = (0.95, 1.05)
 _SPIKE = (0.01, 0.06)  # size of a spike [m]
 
 
@@ -52,6 +54,7 @@ def experiment_of(trial: Trial) -> Experiment:
         identify=trial.recordings,
         predict=0,
         play_start=None,
+        deflection=DEFLECTION * float(np.random.default_rng((trial.seed, 5)).uniform(*_DEFLECTIONS)),
         seed=trial.seed,
     )
     if not trial.imperfection:

@@ -10,6 +10,7 @@ from harness.simulator.effects import UNLISTED, Effects
 from harness.simulator.experiment import Experiment, SimulatedRecording
 from harness.simulator.imperfections import Imperfections, WornPlace
 from harness.simulator.linkage import Linkage
+from harness.simulator.moves import DEFLECTION
 from harness.simulator.plant import Plant, Run, simulate
 from harness.simulator.protocol import Controller, Protocol, Record, Sensors, perform, record, recording_text
 from harness.simulator.random_imperfections import KINDS, kinds_of, with_imperfections
@@ -17,6 +18,7 @@ from harness.simulator.sensors import Encoder, Laser
 from harness.simulator.servo import Servo
 
 __all__ = [
+    "DEFLECTION",
     "KINDS",
     "UNLISTED",
     "Channel",

@@ -14,7 +14,7 @@ from harness.errors import InputError
 from harness.simulator.effects import UNLISTED, Effects, checked
 from harness.simulator.imperfect_record import imperfect_record
 from harness.simulator.imperfections import Imperfections
-from harness.simulator.moves import SERVO, random_controller, random_protocol, random_start
+from harness.simulator.moves import DEFLECTION, SERVO, random_controller, random_protocol, random_start
 from harness.simulator.plant import Plant, Run, simulate
 from harness.simulator.protocol import Record, Sensors, perform, perform_commanded, record, turned_before
 from harness.simulator.sensors import Encoder, Laser
@@ -71,6 +71,7 @@ class Experiment:
         identify, predict: how many recordings there are of each kind.
         closed_loop: whether the moves are a controller's that sees the record; else they are those that the controller
             made on a plant without the hidden effects, and a ball that runs off the beam is an error.
+        deflection: how far the controller turns the beam at most [rad]; there it rests while the ball is far off.
         start: where the ball is put down [m]; at random when `None`.
         play_start: where a linkage begins within its play, −1 … 1; at random when `None` [1].
         reach: between which places the ball has to stay [m].
@@ -97,6 +98,7 @@ class Experiment:
     identify: int = 2
     predict: int = 1
     closed_loop: bool = True
+    deflection: float = DEFLECTION
     start: float | None = None
     play_start: float | None = 0.0
     reach: tuple[float, float] = (0.12, 0.52)
@@ -232,7 +234,10 @@ class Experiment:
     ) -> tuple[Run, Record, FloatArray | None]:
         generator = np.random.default_rng((seed, 2, attempt))
         start = random_start(generator) if self.start is None else self.start
-        controller, protocol = random_controller(generator), random_protocol(generator, start, self.duration)
+        controller, protocol = (
+            random_controller(generator, self.deflection),
+            random_protocol(generator, start, self.duration),
+        )
         if self.closed_loop and self.imperfections is not None:
             seen, servo = replace(sensors, laser=_clean(sensors.laser)), self.imperfections.servo(SERVO)
             seen = replace(seen, rate=self.imperfections.control_rate)

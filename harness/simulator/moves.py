@@ -23,13 +23,13 @@ def random_start(generator: np.random.Generator) -> float:
     return round(float(generator.uniform(NEAR, FAR)), 3)
 
 
-def random_controller(generator: np.random.Generator) -> Controller:
-    """A controller of a student's tuning: some haste, some overshoot."""
+def random_controller(generator: np.random.Generator, deflection: float = DEFLECTION) -> Controller:
+    """A controller of a student's tuning: some haste, some overshoot; the beam turns by `deflection` [rad] at most."""
     return Controller(
         gain=float(generator.uniform(0.60, 0.90)),
         damping=float(generator.uniform(0.36, 0.48)),
         filter_time=0.08,
-        deflection_limit=DEFLECTION,
+        deflection_limit=deflection,
     )
 
 

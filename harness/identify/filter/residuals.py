@@ -8,7 +8,7 @@ from analytic.motion import FloatArray
 from harness.identify.filter.ekf import negative_two_log_likelihood, penalty
 from harness.identify.filter.run import innovations, innovations_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.problem import Problem
+from harness.identify.problem.problem import PreparedRecording, Problem
 
 
 class Residuals:
@@ -62,18 +62,25 @@ class Residuals:
         recording = self._recordings[number]
         if recording is None:
             return self.at(end) - (self.at(start) if here is None else here)
-        sizes = [int(one.judged.sum()) for one in self._problem.recordings]
-        begin = sum(sizes[:recording])
-        rows = slice(begin, begin + sizes[recording])
-        rise = np.zeros(sum(sizes))
-        rise[rows] = self._of(recording, end) - (self._of(recording, start) if here is None else here[rows])
+        rows, one = self._rows(recording), self._problem.recordings[recording]
+        rise = np.zeros(sum(int(each.judged.sum()) for each in self._problem.recordings))
+        rise[rows] = self._of(one, end) - (self._of(one, start) if here is None else here[rows])
         return rise
 
-    def _of(self, recording: int, theta: FloatArray) -> FloatArray:
+    def change(self, theta: FloatArray, number: int, other: PreparedRecording) -> tuple[slice, FloatArray]:
+        """Rows of the recording of this number in `at`, and their change where `other`, as long, is in its place."""
+        rows = self._rows(number)
+        return rows, self._of(other, theta) - self.at(theta)[rows]
+
+    def _rows(self, number: int) -> slice:
+        sizes = [int(one.judged.sum()) for one in self._problem.recordings]
+        begin = sum(sizes[:number])
+        return slice(begin, begin + sizes[number])
+
+    def _of(self, recording: PreparedRecording, theta: FloatArray) -> FloatArray:
         """`at` for the readings of one recording alone."""
         terms = self._hypothesis.terms(theta, self._problem)
-        one = self._problem.recordings[recording]
-        return _normalised(*innovations_of(self._problem, one, terms, self.process_noise))
+        return _normalised(*innovations_of(self._problem, recording, terms, self.process_noise))
 
 
 def _normalised(innovation: FloatArray, variance: FloatArray) -> FloatArray:

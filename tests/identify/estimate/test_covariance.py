@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from benchmarks.calibration.pose import pose as pose_trial
+from benchmarks.calibration.pose import experiment_of
 from benchmarks.calibration.trials import Trial
-from harness.identify.estimate.covariance import with_interval_covariance
+from harness.identify.estimate.covariance import interval_jacobian, with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
+from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter import run as filter_run
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.recording import load_case
+from harness.simulator import DEFLECTION, write_case
 from tests.posed import Posed
 
 
@@ -22,7 +27,9 @@ from tests.posed import Posed
 def test_a_smooth_law_is_known_as_well_as_its_slopes_say(plain: Posed, name: str) -> None:
     """Leave the interval of a law without corners as it is."""
     found = fit(plain.problem, Hypothesis((name,)))
-    (before,), (after,) = (one.deviations().values() for one in (found, with_interval_covariance(plain.problem, found)))
+    jacobian = interval_jacobian(plain.problem, found)
+    wide = replace(found, covariance=information_inverse(plain.problem, found.hypothesis, jacobian))
+    (before,), (after,) = (one.deviations().values() for one in (found, wide))
     # Over a standard deviation these laws are linear but for the ball's few stops: a twentieth of the interval.
     assert after == pytest.approx(before, rel=0.05)
 
@@ -56,7 +63,8 @@ def backlash(folder: Path) -> tuple[Problem, Fit]:
     The deviance has dips on either side of the edge, 0.02 typical sizes apart, and in which of them a search ends is
     for the rounding of a processor to decide. A search from the deepest point around its end stays in the deeper one.
     """
-    problem = pose_trial(PLAY, folder)
+    write_case(folder, replace(experiment_of(PLAY), deflection=DEFLECTION))
+    problem = problem_of(load_case(folder))
     hypothesis = Hypothesis(("linkage_backlash",))
     found = fit(problem, hypothesis)
 
