@@ -108,25 +108,21 @@ class Dask:
             self._client.cancel([job.future for job in pending.values()], force=True)
 
     def _next(self, done: as_completed) -> Future:
-        """The next job that ends.
-
-        Raises:
-            HarnessError: the cluster has had no worker for a minute; Dask itself would wait for ever.
-        """
-        peopled = checked = time.monotonic()
+        """The next job that ends; see `_Watch`."""
+        watch = _Watch(self)
         while not done.has_ready():
             time.sleep(_POLL)
-            if time.monotonic() - checked < min(_DESERTED / 4.0, 5.0):
-                continue
-            checked = time.monotonic()
-            if self.workers:
-                peopled = checked
-            elif checked - peopled > _DESERTED:
-                raise HarnessError(
-                    f"{self.address}: has had no workers for {_DESERTED:.0f} s; start some with "
-                    f"`dask worker {self.address} --nthreads 1`, and the same command goes on"
-                )
+            watch.look()
         return next(done)
+
+    def _fetched(self, future: Future) -> Any:
+        """The result of a job that has ended. It lies on a worker: where that is lost, Dask does the job anew."""
+        watch = _Watch(self)
+        while True:
+            try:
+                return future.result(timeout=min(_DESERTED, 15.0))
+            except TimeoutError:
+                watch.look()
 
     def _submit(
         self,
@@ -146,7 +142,7 @@ class Dask:
     def _result(self, future: Future, job: _Job, time_limit: float | None) -> Any:
         """What came of a job; `_AGAIN` if it is to be begun again."""
         try:
-            result = future.result()
+            result = self._fetched(future)
             if isinstance(result, _Raised):
                 raise result.error
             if not isinstance(result, Lost):
@@ -161,6 +157,33 @@ class Dask:
                 f"{self.address}: the connection was lost; the same command goes on when the scheduler is there again"
             ) from error
         return _AGAIN if job.attempt < ATTEMPTS else lost(reason, time_limit)
+
+
+class _Watch:
+    """Ends a wait for a cluster without workers, where Dask itself would wait for ever."""
+
+    def __init__(self, cluster: Dask) -> None:
+        self._cluster = cluster
+        self._peopled = self._looked = time.monotonic()
+
+    def look(self) -> None:
+        """Look whether there are workers, unless that was done a moment ago.
+
+        Raises:
+            HarnessError: there has been none for a minute.
+        """
+        now = time.monotonic()
+        if now - self._looked < 0.25 * min(_DESERTED, 20.0):
+            return
+        self._looked = now
+        if self._cluster.workers:
+            self._peopled = now
+        elif now - self._peopled > _DESERTED:
+            address = self._cluster.address
+            raise HarnessError(
+                f"{address}: has had no workers for {_DESERTED:.0f} s; start some with "
+                f"`dask worker {address} --nthreads 1`, and the same command goes on"
+            )
 
 
 @cache
