@@ -162,8 +162,8 @@ def compare(
     Args:
         case: as of `load_case`, or its path.
         recording: which one of the case; the first to identify from if none is named.
-        engines: `mujoco`, `pybullet`, `dart`, or an engine of your own as an object (`harness.engines.protocol.Engine`);
-            the first two, and those with settings, if none is named.
+        engines: `mujoco`, `pybullet`, `dart`, or objects of your own engines (`harness.engines.protocol.Engine`); the
+            first two, and those with settings, if none is named.
         settings: contact parameters by engine, as in `{"mujoco": {"friction": 0.3}}`.
         start: of the ball at the first stamp, position [m] and velocity [m/s]; estimated if none is given.
         level_angle: α₀ [rad], or "estimate"; as rig.toml says if none is given.

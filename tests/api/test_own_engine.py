@@ -31,7 +31,7 @@ def test_it_runs_beside_the_others(folder: Path, tmp_path: Path) -> None:
     comparison = harness.compare(folder, engines=["mujoco", Twin()], settings=settings, windows=[1.0])
     table = comparison.trajectories
     assert not np.array_equal(table["twin_m"], table["mujoco_m"])  # by the longer step
-    # MuJoCo's error at 1 ms is 5 µm over 10 s by the tolerance of README; of second order, at 2 ms it is four times that.
+    # MuJoCo's error at 1 ms is 5 µm over 10 s (README's tolerance); of second order, it is four times that at 2 ms.
     assert np.max(np.abs(table["twin_m"] - table["mujoco_m"])) < 25e-6
     same = harness.compare(folder, engines=["mujoco", Twin()], windows=[1.0])
     assert np.array_equal(same.trajectories["twin_m"], same.trajectories["mujoco_m"])
@@ -60,7 +60,9 @@ def test_a_name_that_cannot_be_is_refused(folder: Path, name: str, said: str) ->
 
 def test_what_is_no_engine_is_refused(folder: Path) -> None:
     """Say what is wanted, and of a class that an object is."""
-    with pytest.raises(harness.InputError, match=r"neither a name nor a harness\.engines\.protocol\.Engine; .* Twin\(\)"):
+    with pytest.raises(
+        harness.InputError, match=r"neither a name nor a harness\.engines\.protocol\.Engine; .*Twin\(\)"
+    ):
         harness.compare(folder, engines=[Twin])  # type: ignore[list-item]
     with pytest.raises(harness.InputError, match=r"the name 'twin' is taken"):
         harness.compare(folder, engines=[Twin(), Twin()])
