@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import harness
+from harness.formatting import number
+from harness.identify.record import EffectRecord, ParameterRecord
 from harness.report.notebook import notebook_html
 from harness.report.tables import Summary, Table, texts
 from tests.acceptance.short import write_short_case
@@ -128,16 +130,23 @@ def test_a_comparison_shows_its_scores(folder: Path) -> None:
     assert len(html) < LARGEST
 
 
-def test_a_kept_diagnosis_shows_its_errors(folder: Path, tmp_path: Path) -> None:
-    """Have verdict, errors in mm and their picture, which needs no recording."""
+def test_a_kept_diagnosis_shows_the_numbers_of_its_file(folder: Path, tmp_path: Path) -> None:
+    """Have effects with intervals and units, errors in mm, and the errors' picture, which needs no recording."""
     record = nothing_missing(folder)
     held = record.errors.heldout
     before = held.before.model_copy(update={"rms_m": {"3 s": 0.0791, "whole": 0.2}})
     after = held.after.model_copy(update={"rms_m": {"3 s": 0.0081, "whole": None}})
     errors = record.errors.model_copy(update={"heldout": held.model_copy(update={"before": before, "after": after})})
-    (tmp_path / "diagnosis.json").write_text(record.model_copy(update={"errors": errors}).text(), encoding="utf-8")
+    size = ParameterRecord(value=0.0151, low=0.0112, high=0.0189, unit="1")
+    effect = EffectRecord(
+        name="rolling_resistance", parameters={"coefficient": size}, indistinguishable_from=("stribeck_friction",)
+    )
+    told = record.model_copy(update={"errors": errors, "effects": (effect,), "verdict": "effect"})
+    (tmp_path / "diagnosis.json").write_text(told.text(), encoding="utf-8")
     kept = harness.load_diagnosis(tmp_path)
     html = kept._repr_html_()
+    numbers = ["0.01510", "0.01120 … 0.01890", "1", "stribeck_friction"]
+    assert ["rolling_resistance", "coefficient", *numbers] in cells(html)
     assert ["cam", "3 s", "79.1", "8.10"] in cells(html)
     assert ["cam", "whole", "200", "–"] in cells(html)
     assert len(pictures(html)) == 1
@@ -151,8 +160,11 @@ def test_a_check_shows_its_limits(folder: Path) -> None:
     check = harness.check(folder)
     html = check._repr_html_()
     rows = {row[0]: row for row in cells(html) if len(row) == 7}
-    for one in check.effects.itertuples():
-        assert rows[one.effect][5] == one.unit
+    for one in check.record()["effects"]:
+        shown = rows[one["effect"]]
+        assert (shown[4], shown[5]) == (number(one["typical"]), one["unit"])
+        if one["limit"] is not None and not one["shows_below_limit"] and np.isfinite(one["limit"]):
+            assert shown[2] == number(one["limit"])
     (axes,) = check.plot().axes
     recorded, explained = (line.get_xdata() for line in axes.lines[:2])
     assert int(np.sum(recorded <= 1.0)) == int(check.effects["shows"].sum())
