@@ -1,0 +1,172 @@
+"""Free runs of one engine over a whole recording, as they are shown: without and with the effects of a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analytic.effects import Acting, SensorLaw, rig_with, sensor_with
+from analytic.motion import BeamMotion, FloatArray, State
+from analytic.rig import Rig
+from harness.comparison.setting import Setting
+from harness.engines.catalogue import parameters_of
+from harness.engines.injection import engine_settings, force_of, motion_for_engine
+from harness.engines.protocol import Engine
+from harness.identify.estimate.own_values import own_of
+from harness.identify.model_file import read_model, rig_of
+from harness.identify.problem.problem import PreparedRecording
+from harness.identify.record import ModelRecord
+from harness.identify.validation.engine_errors import law_of
+from harness.preparation.recordings import observe
+from harness.signals.ball_state import BallEstimate
+
+Law = Callable[[FloatArray, float], None]
+
+
+@dataclass(frozen=True)
+class ShownRun:
+    """An engine's free run, as the position sensor would record it.
+
+    Attributes:
+        name: what acts in it, in words.
+        effects: names of the effects that act, declared ones included.
+        rig: with what effects do to it.
+        motion: of the beam, with what effects do to it.
+        time: stamps, shape (n,) [s].
+        position: of the ball along the beam, shape (n,) [m].
+        rolled: rotation of the ball relative to the beam since the start, shape (n,) [rad].
+    """
+
+    name: str
+    effects: tuple[str, ...]
+    rig: Rig
+    motion: BeamMotion
+    time: FloatArray
+    position: FloatArray
+    rolled: FloatArray
+
+
+@dataclass(frozen=True)
+class _Acting:
+    """What acts in a run: effects, the rig before them, how the ball lies at the start [rad], an unlisted law."""
+
+    effects: tuple[Acting, ...]
+    rig: Rig
+    ball: BallEstimate
+    phase: float = 0.0
+    law: Law | None = None
+
+
+def run_without(setting: Setting, engine: Engine, given: Mapping[str, Any]) -> ShownRun:
+    """The run of `harness run`: the rig as it is known, with the effects that its file declares.
+
+    Args:
+        setting: the recording, its drive and start.
+        engine: that runs.
+        given: its settings.
+
+    Raises:
+        EngineFailure: the run is invalid.
+        InputError: a setting is none of the engine's.
+    """
+    return _run("as rig.toml says", setting, engine, given, _Acting(setting.acting, setting.rig, setting.ball))
+
+
+def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: ModelRecord, origin: str) -> ShownRun:
+    """The run with the effects that a diagnosis found.
+
+    Args:
+        setting, engine, given: as of `run_without`.
+        model: of the diagnosis.
+        origin: its file, for messages.
+
+    Raises:
+        EngineFailure: the run is invalid.
+        InputError: the model cannot be used.
+    """
+    observed = observe(setting.recording, setting.case.sensors, rig_of(model))
+    prepared = PreparedRecording.of(observed)
+    problem, found = read_model(model, prepared, origin)
+    own = own_of(problem, found, prepared, prepared.reading)
+    spline = found.terms.spline
+    law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)
+    effects = (*problem.declared, *found.terms.effects_in(own))
+    names = [*model.effects, *([] if spline is None else ["a law that no catalogue lists"])]
+    told = f"with {', '.join(names)}" if names else "with the diagnosed rig; no effects were found"
+    return _run(told, setting, engine, given, _Acting(effects, problem.rig, observed.ball, own.phase, law))
+
+
+def _run(name: str, setting: Setting, engine: Engine, given: Mapping[str, Any], acting: _Acting) -> ShownRun:
+    effects, ball = acting.effects, acting.ball
+    rig, sensor = rig_with(acting.rig, effects), sensor_with(effects)
+    motion = motion_for_engine(effects, setting.drive, setting.time)
+    recorded_at, at = _stamps(setting, sensor)
+    start = _start(setting.time, ball, sensor, float(recorded_at[0]))
+    parameters = parameters_of(engine, _applicable(engine, {**given, **engine_settings(effects, engine.name)}, given))
+    force = force_of(
+        effects,
+        rig,
+        motion,
+        at,
+        parameters.time_step,
+        origin=float(sensor.position(ball.position[setting.horizons[0].first[0]])),
+        phase=acting.phase,
+        law=acting.law,
+    )
+    run = engine.run(rig, motion, start, at, parameters=parameters, force=force, base=acting.rig)
+    position = _lagging(at, run.trajectory.position, sensor, _begins(setting.time, ball, sensor, float(recorded_at[0])))
+    names = tuple(one.effect.name for one in effects)
+    return ShownRun(name, names, rig, motion, recorded_at, sensor.curve(position), run.rolled_angle)
+
+
+def _applicable(engine: Engine, settings: Mapping[str, Any], given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Settings without those of effects that an engine with a scene of the user's does not have."""
+    fields = engine.parameters.model_fields
+    return {name: value for name, value in settings.items() if name in fields or name in given}
+
+
+def _stamps(setting: Setting, sensor: SensorLaw) -> tuple[FloatArray, FloatArray]:
+    """Stamps from the first known position on, and when the ball is where they record it, both shape (n,) [s]."""
+    time = setting.time
+    recorded = time[int(setting.horizons[0].first[0]) :]
+    at = recorded - sensor.delay
+    inside = (at >= time[0]) & (at <= time[-1])  # a delay would need the angle outside the recording
+    return recorded[inside], at[inside]
+
+
+def _begins(time: FloatArray, ball: BallEstimate, sensor: SensorLaw, begin: float) -> float:
+    """What the sensor has before its curve where the run begins [m]."""
+    return float(sensor.position(np.array(np.interp(begin, time, ball.position))))
+
+
+def _lagging(at: FloatArray, position: FloatArray, sensor: SensorLaw, begins: float) -> FloatArray:
+    """What a lagging sensor has of a run, shape (n,) [m]; it does not begin settled, but with what it then had."""
+    if not sensor.lag:
+        return position
+    settling = (begins - position[0]) * np.exp(-(at - at[0]) / sensor.lag)
+    return SensorLaw(lag=sensor.lag).recorded(at, position) + settling
+
+
+def _start(time: FloatArray, ball: BallEstimate, sensor: SensorLaw, begin: float) -> State:
+    """State of the ball that is recorded at `begin` [s]; a lag shows a smooth motion later by its time constant."""
+    shown = begin + sensor.lag
+    position = sensor.position(np.array(np.interp(shown, time, ball.position)))
+    velocity = np.interp(shown, time, ball.velocity) / sensor.slope(position)
+    return State(float(position), float(velocity))
+
+
+def rms_and_largest(run: ShownRun, time: FloatArray, reading: FloatArray) -> tuple[float, float]:
+    """RMS and largest difference of the run from the readings [m]; NaN without any.
+
+    Args:
+        run: the run.
+        time, reading: stamps, and positions with NaN where they are not known or not trusted, shape (m,) [s], [m].
+    """
+    use = np.isfinite(reading) & (time >= run.time[0]) & (time <= run.time[-1])
+    if not use.any():
+        return float("nan"), float("nan")
+    error = np.interp(time[use], run.time, run.position) - reading[use]
+    return float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
