@@ -20,7 +20,9 @@ GHOST_OPACITY = 0.4
 GHOST_SIZE = 1.06
 FOVY = 20.0  # [deg]: small, so that lengths along the beam look alike everywhere
 AZIMUTH, ELEVATION = 85.0, -12.0  # of the direction of view, almost across the beam [deg]
-SHADOWS = 1024  # side of the picture of shadows [pixels]; a processor without graphics draws 4096 ten times as long
+SHADOWS = (
+    1024  # side of the picture of shadows [pixels]; with 4096 a processor without graphics takes half as long again
+)
 MARGIN = 1.06  # of the width of the picture over the length of the beam
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -116,7 +116,7 @@ def _write_gif(file: Path, frames: Iterator[Picture], rate: int) -> None:
     first.save(file, save_all=True, append_images=pictures, duration=1000 // rate, loop=0)
 
 
-def _frames(playback: Playback, times: list[float], speed: float, progress: Progress) -> Iterator[Picture]:
+def _frames(playback: Playback, times: list[float], speed: float, progress: Progress) -> Generator[Picture, None, None]:
     """Every frame, shape (HEIGHT, WIDTH, 3)."""
     count = len(playback.runs)
     with ExitStack() as stack:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import queue
 import sys
+import threading
+from typing import Any
 
 import glfw
+import mujoco
+import mujoco.viewer
 
 from harness.errors import InputError
 from harness.viewing.drawing import Drawing
-from harness.viewing.film import lines_of
 from harness.viewing.playback import Playback
 from harness.viewing.player import Player, keys_told
-from harness.viewing.windows import Clock
+from harness.viewing.windows import Clock, plain_lines
 
 _KEYS = {
     glfw.KEY_SPACE: "space",
@@ -24,7 +27,8 @@ _KEYS = {
     glfw.KEY_ENTER: "enter",
     glfw.KEY_KP_ENTER: "enter",
 }
-_ASPECT = 16 / 9  # of the window, which the user may change
+_ASPECT = 1.5  # a little less than that of the window, which the user may change
+_PATIENCE = 5.0  # for the window to close [s]
 
 
 def show(playback: Playback, player: Player) -> None:
@@ -33,10 +37,9 @@ def show(playback: Playback, player: Player) -> None:
     Raises:
         InputError: MuJoCo's viewer does not open here.
     """
-    import mujoco.viewer
-
     drawing, pressed = Drawing(playback), queue.SimpleQueue[str]()
     drawing.place(player.run, player.time)
+    others = set(threading.enumerate())
     try:
         viewer = mujoco.viewer.launch_passive(
             drawing.model,
@@ -48,29 +51,34 @@ def show(playback: Playback, player: Player) -> None:
     except RuntimeError as error:
         how = "run `mjpython -m harness view …`" if sys.platform == "darwin" else "give --video out.mp4"
         raise InputError(f"MuJoCo's viewer does not open ({error}); {how}") from error
-    with viewer:
+    try:
+        with viewer:
+            _play(viewer, drawing, player, pressed)
+    finally:  # the window is drawn by a thread, which must not be cut off in the middle of a frame
+        for thread in set(threading.enumerate()) - others:
+            thread.join(_PATIENCE)
+
+
+def _play(viewer: Any, drawing: Drawing, player: Player, pressed: queue.SimpleQueue[str]) -> None:
+    """Until the window is closed."""
+    playback = drawing.playback
+    keys = list(zip(*keys_told(len(playback.runs)), strict=True))
+    font, top, bottom = (
+        mujoco.mjtFontScale.mjFONTSCALE_150,
+        mujoco.mjtGridPos.mjGRID_TOPLEFT,
+        mujoco.mjtGridPos.mjGRID_BOTTOMLEFT,
+    )
+    with viewer.lock():
+        drawing.aim(viewer.cam, _ASPECT)
+    clock = Clock()
+    while viewer.is_running():
+        while not pressed.empty():
+            player.press(pressed.get())
+        player.advance(clock.tick())
         with viewer.lock():
-            drawing.aim(viewer.cam, _ASPECT)
-        clock = Clock()
-        while viewer.is_running():
-            while not pressed.empty():
-                player.press(pressed.get())
-            player.advance(clock.tick())
-            with viewer.lock():
-                now = drawing.place(player.run, player.time)
-                viewer.user_scn.ngeom = 0
-                drawing.add_ghost(viewer.user_scn)
-            told = [text for text, _ in lines_of(playback, player.run, now, player.speed)]
-            keys = keys_told(len(playback.runs))
-            small, top, bottom = (
-                mujoco.mjtFontScale.mjFONTSCALE_150,
-                mujoco.mjtGridPos.mjGRID_TOPLEFT,
-                mujoco.mjtGridPos.mjGRID_BOTTOMLEFT,
-            )
-            viewer.set_texts(
-                [
-                    (small, top, "\n".join(told).replace("°", " deg").replace("×", "x"), ""),
-                    (small, bottom, "\n".join(key for key, _ in keys), "\n".join(does for _, does in keys)),
-                ]
-            )
-            viewer.sync()
+            now = drawing.place(player.run, player.time)
+            viewer.user_scn.ngeom = 0
+            drawing.add_ghost(viewer.user_scn)
+        told = "\n".join(plain_lines(playback, player, now))
+        viewer.set_texts([(font, top, told, ""), (font, bottom, *map("\n".join, keys))])
+        viewer.sync()

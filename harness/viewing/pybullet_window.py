@@ -10,10 +10,9 @@ from harness.engines.pybullet import pybullet
 from harness.engines.stderr import without_output
 from harness.errors import InputError
 from harness.viewing.drawing import ENGINE_COLOUR, GHOST_COLOUR, GHOST_OPACITY, GHOST_SIZE
-from harness.viewing.film import lines_of
 from harness.viewing.playback import Playback, Vector, centre_of, turned_by
 from harness.viewing.player import Player, keys_told
-from harness.viewing.windows import Clock
+from harness.viewing.windows import Clock, plain_lines
 from urdf.scene import PIVOT, beam_urdf
 
 _KEYS = {
@@ -26,8 +25,8 @@ _KEYS = {
     pybullet.B3G_RETURN: "enter",
 }
 _YAW, _PITCH = 5.0, -12.0  # of the camera, almost across the beam [deg]
-_DISTANCE = 1.05  # of the camera, in lengths of the beam
-_ABOVE = 0.12  # height of the text above the beam [m]
+_DISTANCE = 0.52  # of the camera, in lengths of the beam
+_ABOVE, _BELOW, _LINE = 0.17, -0.045, 0.02  # height of texts above the beam's near end, and of a line [m]
 _TEXT_INTERVAL = 0.1  # between two changes of the text, which PyBullet draws anew each time [s]
 
 
@@ -37,29 +36,32 @@ def show(playback: Playback, player: Player) -> None:
     Raises:
         InputError: PyBullet's window does not open here.
     """
-    with without_output():
+    with without_output():  # where JSON may go, PyBullet writes what OpenGL it has found
         client = pybullet.connect(pybullet.GUI)
-    if client < 0:
-        raise InputError("PyBullet's window does not open here: give --video out.mp4")
-    try:
-        window = _Window(playback, client)
-        clock, since = Clock(), math.inf
-        while pybullet.isConnected(client):
-            for key, state in pybullet.getKeyboardEvents(physicsClientId=client).items():
-                if state & pybullet.KEY_WAS_TRIGGERED:
-                    player.press(_KEYS.get(key, ""))
-            passed = clock.tick()
-            player.advance(passed)
-            since += passed
-            window.place(player, write=since > _TEXT_INTERVAL)
-            since = 0.0 if since > _TEXT_INTERVAL else since
-    except pybullet.error:  # the window was closed within a frame
-        if pybullet.isConnected(client):
-            raise
-    finally:
-        if pybullet.isConnected(client):
-            with without_output():
+        if client < 0:
+            raise InputError("PyBullet's window does not open here: give --video out.mp4")
+        try:
+            _play(_Window(playback, client), player)
+        except pybullet.error:  # the window was closed within a frame
+            if pybullet.isConnected(client):
+                raise
+        finally:
+            if pybullet.isConnected(client):
                 pybullet.disconnect(client)
+
+
+def _play(window: _Window, player: Player) -> None:
+    """Until the window is closed."""
+    clock, since, client = Clock(), math.inf, window.client
+    while pybullet.isConnected(client):
+        for key, state in pybullet.getKeyboardEvents(physicsClientId=client).items():
+            if state & pybullet.KEY_WAS_RELEASED:  # a key that is pressed briefly is never reported as pressed
+                player.press(_KEYS.get(key, ""))
+        passed = clock.tick()
+        player.advance(passed)
+        since += passed
+        window.place(player, write=since > _TEXT_INTERVAL)
+        since = 0.0 if since > _TEXT_INTERVAL else since
 
 
 class _Window:
@@ -85,8 +87,8 @@ class _Window:
         self.ball = self._sphere(channel.ball_radius, (*ENGINE_COLOUR, 1.0))
         self.ghost = self._sphere(GHOST_SIZE * channel.ball_radius, (*GHOST_COLOUR, GHOST_OPACITY))
         self.texts: dict[int, int] = {}
-        keys = ", ".join(f"{key}: {does}" for key, does in keys_told(len(playback.runs)))
-        self._write(-1, keys, -2.0 * _ABOVE)
+        for number, (key, does) in enumerate(keys_told(len(playback.runs)), 1):
+            self._write(-number, f"{key}: {does}", (channel.centre, _BELOW - _LINE * number))
 
     def place(self, player: Player, *, write: bool) -> None:
         """Put beam and balls where they are at the player's time; `write` renews the text, too."""
@@ -99,9 +101,8 @@ class _Window:
             centre = centre_of(rig, position, now.angle) if math.isfinite(position) else away
             pybullet.resetBasePositionAndOrientation(body, centre, turn, self.client)
         if write:
-            lines = lines_of(self.playback, player.run, now, player.speed)
-            for number, (text, _) in enumerate(lines):
-                self._write(number, text.replace("°", " deg").replace("×", "x"), _ABOVE - 0.022 * number)
+            for number, text in enumerate(plain_lines(self.playback, player, now)):
+                self._write(number, text, (self.playback.channel.x_from, _ABOVE - _LINE * number))
 
     def _sphere(self, radius: float, colour: tuple[float, ...]) -> int:
         """A body that is drawn and touches nothing."""
@@ -110,11 +111,10 @@ class _Window:
         )
         return int(pybullet.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=self.client))
 
-    def _write(self, number: int, text: str, height: float) -> None:
-        """Write or replace one line at a height [m] above the beam's near end."""
-        channel = self.playback.channel
-        where: Vector = (channel.x_from, 0.0, channel.edge_height + height)
+    def _write(self, number: int, text: str, where: tuple[float, float]) -> None:
+        """Write or replace one line that begins at x and a height above the edges [m]."""
+        at: Vector = (where[0], 0.0, self.playback.channel.edge_height + where[1])
         replaced = {"replaceItemUniqueId": self.texts[number]} if number in self.texts else {}
         self.texts[number] = pybullet.addUserDebugText(
-            text, where, (0.1, 0.1, 0.2), textSize=1.1, physicsClientId=self.client, **replaced
+            text, at, (0.1, 0.1, 0.2), textSize=1.1, physicsClientId=self.client, **replaced
         )

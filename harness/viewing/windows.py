@@ -9,7 +9,9 @@ import warnings
 from collections.abc import Callable
 
 from harness.errors import InputError
-from harness.viewing.playback import Playback
+from harness.viewing.drawing import ENGINE_COLOUR, GHOST_COLOUR
+from harness.viewing.film import lines_of
+from harness.viewing.playback import Instant, Playback
 from harness.viewing.player import Player
 
 FRAME = 1.0 / 60.0  # [s]
@@ -63,3 +65,10 @@ class Clock:
         now = time.monotonic()
         passed, self._last = now - self._last, now
         return passed
+
+
+def plain_lines(playback: Playback, player: Player, now: Instant) -> list[str]:
+    """What is written into a window, line by line, in letters and colours' names that every viewer has."""
+    names = {ENGINE_COLOUR: " (orange)", GHOST_COLOUR: " (blue)", None: ""}
+    lines = lines_of(playback, player.run, now, player.speed)
+    return [text.replace("°", " deg").replace("×", "x") + names[colour] for text, colour in lines]
