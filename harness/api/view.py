@@ -33,13 +33,15 @@ class ViewedRun:
     Attributes:
         name: what acts in it, in words.
         effects: names of the effects that act, declared ones included.
-        rms_m, max_m: RMS and largest difference from the recorded positions, over the whole recording [m].
+        rms_m, max_m: RMS and largest difference from the recorded positions, over the whole run [m].
+        lifted_off_s: when the ball lifts off the beam, with which the run ends; `None` if it does not [s].
     """
 
     name: str
     effects: tuple[str, ...]
     rms_m: float
     max_m: float
+    lifted_off_s: float | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,6 +83,11 @@ class View(Summarised):
         recorded = "recorded (simulated)" if self.case.simulated else "measured"
         lines = [f"{self.engine}, simulated, beside the {recorded} ball of {self.recording}"]
         rows = [(one.name, number(1e3 * one.rms_m), number(1e3 * one.max_m)) for one in self.runs]
+        lines += [
+            f"{one.name}: the ball lifts off the beam at {one.lifted_off_s:.2f} s, and the run ends there"
+            for one in self.runs
+            if one.lifted_off_s is not None
+        ]
         columns = [*texts("run"), "RMS error [mm]", "max error [mm]"]
         return Summary(
             f"View of {self.case.path}", lines, [Table("The whole recording as one free run", columns, rows)]
@@ -223,7 +230,10 @@ def _viewed(playback: Playback) -> tuple[ViewedRun, ...]:
     from harness.viewing.runs import rms_and_largest
 
     stamps, reading = playback.stamps, playback.reading
-    return tuple(ViewedRun(one.name, one.effects, *rms_and_largest(one, stamps, reading)) for one in playback.runs)
+    return tuple(
+        ViewedRun(one.name, one.effects, *rms_and_largest(one, stamps, reading), one.lifted_off)
+        for one in playback.runs
+    )
 
 
 def _open(window: Any, playback: Playback, speed: float) -> None:

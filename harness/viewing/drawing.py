@@ -15,7 +15,7 @@ from mjcf.scene import make_scene
 
 ENGINE_COLOUR = (0.95, 0.45, 0.10)
 GHOST_COLOUR = (0.10, 0.35, 0.95)
-GHOST_OPACITY = 0.4
+GHOST_OPACITY = 0.3
 # So that the ghost is a shell around the engine's ball where both are at one place.
 GHOST_SIZE = 1.06
 FOVY = 20.0  # [deg]: small, so that lengths along the beam look alike everywhere
@@ -23,6 +23,8 @@ AZIMUTH, ELEVATION = 85.0, -12.0  # of the direction of view, almost across the 
 SHADOWS = (
     1024  # side of the picture of shadows [pixels]; with 4096 a processor without graphics takes half as long again
 )
+STRIP = 2.5  # aspect beyond which the beam is put into the lower half, below what is written above it
+NARROWEST = 30.0  # width of the picture, in radii of the ball
 MARGIN = 1.06  # of the width of the picture over the length of the beam
 
 
@@ -81,6 +83,8 @@ class Drawing:
         """
         channel = self.playback.channel
         camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-        camera.lookat[:] = channel.centre, 0.0, channel.edge_height - 0.01
-        camera.distance = 0.5 * MARGIN * channel.length / (aspect * math.tan(math.radians(0.5 * FOVY)))
+        width = MARGIN * max(channel.length, NARROWEST * channel.ball_radius)
+        height = width / aspect
+        camera.lookat[:] = channel.centre, 0.0, channel.edge_height + (0.12 * height if aspect > STRIP else 0.0)
+        camera.distance = 0.5 * height / math.tan(math.radians(0.5 * FOVY))
         camera.azimuth, camera.elevation = AZIMUTH, ELEVATION

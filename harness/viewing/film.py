@@ -111,7 +111,7 @@ def _write_mp4(file: Path, frames: Iterator[Picture], rate: int) -> None:
 def _write_gif(file: Path, frames: Iterator[Picture], rate: int) -> None:
     from PIL import Image
 
-    pictures = (Image.fromarray(frame).quantize(128) for frame in frames)
+    pictures = (Image.fromarray(frame).quantize(256, Image.Quantize.FASTOCTREE) for frame in frames)
     first = next(pictures)
     first.save(file, save_all=True, append_images=pictures, duration=1000 // rate, loop=0)
 
@@ -138,14 +138,17 @@ def _labelled(picture: Picture, playback: Playback, run: int, now: Instant, spee
 
     image = Image.fromarray(picture)
     pen, font, lines = ImageDraw.Draw(image, "RGBA"), _font(), lines_of(playback, run, now, speed)
-    widest = max(pen.textlength(text, font) for text, _ in lines) + 3 * _DOT
-    pen.rectangle((0, 0, widest + 2 * _EDGE, len(lines) * _LINE + 1.5 * _EDGE), fill=_PAPER)
-    for line, (text, colour) in enumerate(lines):
-        left, top = _EDGE, _EDGE + line * _LINE
-        if colour is not None:
-            pen.text((left, top), "●", font=font, fill=tuple(int(255 * c) for c in colour))
-            left += 3 * _DOT
-        pen.text((left, top), text, font=font, fill=_INK)
+    rows = [lines[:1], lines[1:2], lines[2:]]  # both balls side by side
+    widths = [sum(pen.textlength(text, font) + 7 * _DOT for text, _ in row) for row in rows]
+    pen.rectangle((0, 0, max(widths) + _EDGE, len(rows) * _LINE + 1.5 * _EDGE), fill=_PAPER)
+    for number, row in enumerate(rows):
+        left, top = float(_EDGE), _EDGE + number * _LINE
+        for text, colour in row:
+            if colour is not None:
+                pen.text((left, top), "●", font=font, fill=tuple(int(255 * c) for c in colour))
+                left += 3 * _DOT
+            pen.text((left, top), text, font=font, fill=_INK)
+            left += pen.textlength(text, font) + 4 * _DOT
     return np.asarray(image)
 
 
@@ -160,12 +163,15 @@ def lines_of(
         now: beam and balls.
         speed: recorded seconds a second.
     """
-    beyond = ", beyond the drawn beam" if playback.beyond(now) else ""
+    ball = f"{_mm(now.position)}{', beyond the drawn beam' if playback.beyond(now) else ''}"
+    lifted_off = playback.runs[run].lifted_off
+    if lifted_off is not None and not math.isfinite(now.position) and now.time > playback.runs[run].time[0]:
+        ball = f"lifted off the beam at {lifted_off:.2f} s"
     pace = "" if speed == 1.0 else f"    shown at {speed:g} × real time"
     return [
         (f"{playback.engine}, simulated {playback.runs[run].name}{pace}", None),
         (f"t = {now.time:6.2f} s    beam angle {math.degrees(now.angle):+6.2f}°    error {_mm(now.error, '+')}", None),
-        (f"{playback.engine} {_mm(now.position)}{beyond}", ENGINE_COLOUR),
+        (f"{playback.engine} {ball}", ENGINE_COLOUR),
         (f"{playback.recorded_name} {_mm(now.recorded)}", GHOST_COLOUR),
     ]
 

@@ -14,7 +14,8 @@ from analytic.rig import Rig
 from harness.comparison.setting import Setting
 from harness.engines.catalogue import parameters_of
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
-from harness.engines.protocol import Engine
+from harness.engines.protocol import Engine, EngineRun
+from harness.errors import EngineFailure
 from harness.identify.estimate.own_values import own_of
 from harness.identify.model_file import read_model, rig_of
 from harness.identify.problem.problem import PreparedRecording
@@ -23,6 +24,7 @@ from harness.identify.validation.engine_errors import law_of
 from harness.preparation.recordings import observe
 from harness.signals.ball_state import BallEstimate
 
+FEWEST = 4  # stamps of a run that is worth showing, and that a cubic goes through
 Law = Callable[[FloatArray, float], None]
 
 
@@ -38,6 +40,7 @@ class ShownRun:
         time: stamps, shape (n,) [s].
         position: of the ball along the beam, shape (n,) [m].
         rolled: rotation of the ball relative to the beam since the start, shape (n,) [rad].
+        lifted_off: when the ball lifts off the beam, with which the run ends; `None` if it does not [s].
     """
 
     name: str
@@ -47,6 +50,7 @@ class ShownRun:
     time: FloatArray
     position: FloatArray
     rolled: FloatArray
+    lifted_off: float | None = None
 
 
 @dataclass(frozen=True)
@@ -106,20 +110,34 @@ def _run(name: str, setting: Setting, engine: Engine, given: Mapping[str, Any], 
     recorded_at, at = _stamps(setting, sensor)
     start = _start(setting.time, ball, sensor, float(recorded_at[0]))
     parameters = parameters_of(engine, _applicable(engine, {**given, **engine_settings(effects, engine.name)}, given))
-    force = force_of(
-        effects,
-        rig,
-        motion,
-        at,
-        parameters.time_step,
-        origin=float(sensor.position(ball.position[setting.horizons[0].first[0]])),
-        phase=acting.phase,
-        law=acting.law,
-    )
-    run = engine.run(rig, motion, start, at, parameters=parameters, force=force, base=acting.rig)
-    position = _lagging(at, run.trajectory.position, sensor, _begins(setting.time, ball, sensor, float(recorded_at[0])))
+    origin = float(sensor.position(ball.position[setting.horizons[0].first[0]]))
+
+    def free(at: FloatArray) -> EngineRun:
+        dt, phase, law = parameters.time_step, acting.phase, acting.law
+        force = force_of(effects, rig, motion, at, dt, origin=origin, phase=phase, law=law)
+        return engine.run(rig, motion, start, at, parameters=parameters, force=force, base=acting.rig)
+
+    run, lifted_off = _until_lift_off(free, at)
+    at, recorded_at = at[: len(run.rolled_angle)], recorded_at[: len(run.rolled_angle)]
+    begins = _begins(setting.time, ball, sensor, float(recorded_at[0]))
+    position = sensor.curve(_lagging(at, run.trajectory.position, sensor, begins))
     names = tuple(one.effect.name for one in effects)
-    return ShownRun(name, names, rig, motion, recorded_at, sensor.curve(position), run.rolled_angle)
+    return ShownRun(name, names, rig, motion, recorded_at, position, run.rolled_angle, lifted_off)
+
+
+def _until_lift_off(free: Callable[[FloatArray], EngineRun], at: FloatArray) -> tuple[EngineRun, float | None]:
+    """A run over the stamps, shape (n,) [s], or over those before the ball lifts off, and when it does [s].
+
+    Raises:
+        EngineFailure: the run is invalid for another reason, or the ball lifts off at once.
+    """
+    try:
+        return free(at), None
+    except EngineFailure as failure:
+        before = at[at < failure.time]
+        if not failure.of_the_rig or len(before) < FEWEST:
+            raise
+        return free(before), failure.time
 
 
 def _applicable(engine: Engine, settings: Mapping[str, Any], given: Mapping[str, Any]) -> Mapping[str, Any]:
