@@ -120,7 +120,8 @@ def view(
         diagnosis: a diagnosis, a diagnosis.json or its folder; the effects found act in a second run.
         video: .mp4 or .gif to write; a window is opened if none is given, and the call ends when it is closed.
         speed: recorded seconds a second.
-        begin, end: what to show of the recording, in its own time [s]; all of it if not given.
+        begin: from when on to show the recording, in its own time [s]; from its beginning if not given.
+        end: until when; to its end if not given.
         settings: contact parameters of the engine, as in `{"friction": 0.3}`.
         effects: effects of your own that rig.toml or the diagnosis names, as Python files or as `Effect` objects.
         force: replace a video that no view wrote, or that has been changed since, too.
@@ -205,7 +206,7 @@ def _played(
     setting = prepare(case, Choices(recording=recording))
     begin, end = _span(setting, *span)
     tell(f"{name} over {setting.recording.name}", share=0.1)
-    runs = [run_without(setting, engine, settings)]
+    runs = [run_without(setting, engine, settings, beside=found is not None)]
     if found is not None:
         tell(f"{name} with what the diagnosis found", share=0.2)
         runs.append(run_with(setting, engine, settings, found.record.model, str(found.origin)))

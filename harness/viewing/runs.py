@@ -16,9 +16,11 @@ from harness.engines.catalogue import parameters_of
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
 from harness.engines.protocol import Engine, EngineRun
 from harness.errors import EngineFailure
+from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
 from harness.identify.model_file import read_model, rig_of
 from harness.identify.problem.problem import PreparedRecording
+from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
 from harness.identify.validation.engine_errors import law_of
 from harness.preparation.recordings import observe
@@ -55,32 +57,43 @@ class ShownRun:
 
 @dataclass(frozen=True)
 class _Acting:
-    """What acts in a run: effects, the rig before them, how the ball lies at the start [rad], an unlisted law."""
+    """What acts in a run: effects, the rig before them, how the ball lies at the start [rad], an unlisted law.
+
+    `state` gives s [m], ṡ [m/s] of the ball that is recorded at a stamp, by its number, and what a lagging sensor has
+    of it [m]; without it they are those of the smoothed readings.
+    """
 
     effects: tuple[Acting, ...]
     rig: Rig
     ball: BallEstimate
     phase: float = 0.0
     law: Law | None = None
+    state: Callable[[int], tuple[float, float, float]] | None = None
 
 
-def run_without(setting: Setting, engine: Engine, given: Mapping[str, Any]) -> ShownRun:
+def run_without(setting: Setting, engine: Engine, given: Mapping[str, Any], *, beside: bool = False) -> ShownRun:
     """The run of `harness run`: the rig as it is known, with the effects that its file declares.
 
     Args:
         setting: the recording, its drive and start.
         engine: that runs.
         given: its settings.
+        beside: begin where a run with the effects of a diagnosis begins, which it is shown beside.
 
     Raises:
         EngineFailure: the run is invalid.
         InputError: a setting is none of the engine's.
     """
-    return _run("as rig.toml says", setting, engine, given, _Acting(setting.acting, setting.rig, setting.ball))
+    acting = _Acting(setting.acting, setting.rig, setting.ball)
+    first = _after_run_in(setting) if beside else int(setting.horizons[0].first[0])
+    return _run("as rig.toml says", setting, engine, given, acting, first)
 
 
 def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: ModelRecord, origin: str) -> ShownRun:
     """The run with the effects that a diagnosis found.
+
+    It begins two seconds after the first position, with the state that the filter of the model has by then, as the
+    engines' runs of a diagnosis do.
 
     Args:
         setting, engine, given: as of `run_without`.
@@ -100,29 +113,47 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
     effects = (*problem.declared, *found.terms.effects_in(own))
     names = [*model.effects, *([] if spline is None else ["a law that no catalogue lists"])]
     told = f"with {', '.join(names)}" if names else "with the diagnosed rig; no effects were found"
-    return _run(told, setting, engine, given, _Acting(effects, problem.rig, observed.ball, own.phase, law))
+
+    def state(stamp: int) -> tuple[float, float, float]:
+        span = slice(min(first, stamp), stamp + 1)
+        position, velocity, _, lagging = filtered_ahead(problem, found, prepared, [span])[1][0].state[-1].tolist()
+        return position, velocity, lagging
+
+    first = _after_run_in(setting)
+    acting = _Acting(effects, problem.rig, observed.ball, own.phase, law, state)
+    return _run(told, setting, engine, given, acting, first)
 
 
-def _run(name: str, setting: Setting, engine: Engine, given: Mapping[str, Any], acting: _Acting) -> ShownRun:
+def _after_run_in(setting: Setting) -> int:
+    """The stamp two seconds after the first position, or after a third of a short recording."""
+    begin = float(setting.time[int(setting.horizons[0].first[0])])
+    return int(np.searchsorted(setting.time, begin + min(KNOWN, (float(setting.time[-1]) - begin) / 3.0)))
+
+
+def _run(
+    name: str, setting: Setting, engine: Engine, given: Mapping[str, Any], acting: _Acting, first: int
+) -> ShownRun:
     effects, ball = acting.effects, acting.ball
     rig, sensor = rig_with(acting.rig, effects), sensor_with(effects)
     motion = motion_for_engine(effects, setting.drive, setting.time)
-    recorded_at, at = _stamps(setting, sensor)
-    start = _start(setting.time, ball, sensor, float(recorded_at[0]))
+    recorded_at, at = _stamps(setting.time, sensor, first)
+    stamp = int(np.searchsorted(setting.time, recorded_at[0]))
+    position, velocity, lagging = (acting.state or _smoothed(setting.time, ball, sensor))(stamp)
     parameters = parameters_of(engine, _applicable(engine, {**given, **engine_settings(effects, engine.name)}, given))
     origin = float(sensor.position(ball.position[setting.horizons[0].first[0]]))
 
     def free(at: FloatArray) -> EngineRun:
         dt, phase, law = parameters.time_step, acting.phase, acting.law
         force = force_of(effects, rig, motion, at, dt, origin=origin, phase=phase, law=law)
-        return engine.run(rig, motion, start, at, parameters=parameters, force=force, base=acting.rig)
+        return engine.run(
+            rig, motion, State(position, velocity), at, parameters=parameters, force=force, base=acting.rig
+        )
 
     run, lifted_off = _until_lift_off(free, at)
     at, recorded_at = at[: len(run.rolled_angle)], recorded_at[: len(run.rolled_angle)]
-    begins = _begins(setting.time, ball, sensor, float(recorded_at[0]))
-    position = sensor.curve(_lagging(at, run.trajectory.position, sensor, begins))
+    recorded = sensor.curve(_lagging(at, run.trajectory.position, sensor, lagging))
     names = tuple(one.effect.name for one in effects)
-    return ShownRun(name, names, rig, motion, recorded_at, position, run.rolled_angle, lifted_off)
+    return ShownRun(name, names, rig, motion, recorded_at, recorded, run.rolled_angle, lifted_off)
 
 
 def _until_lift_off(free: Callable[[FloatArray], EngineRun], at: FloatArray) -> tuple[EngineRun, float | None]:
@@ -146,18 +177,12 @@ def _applicable(engine: Engine, settings: Mapping[str, Any], given: Mapping[str,
     return {name: value for name, value in settings.items() if name in fields or name in given}
 
 
-def _stamps(setting: Setting, sensor: SensorLaw) -> tuple[FloatArray, FloatArray]:
-    """Stamps from the first known position on, and when the ball is where they record it, both shape (n,) [s]."""
-    time = setting.time
-    recorded = time[int(setting.horizons[0].first[0]) :]
+def _stamps(time: FloatArray, sensor: SensorLaw, first: int) -> tuple[FloatArray, FloatArray]:
+    """Stamps from the one of this number on, and when the ball is where they record it, both of shape (n,) [s]."""
+    recorded = time[first:]
     at = recorded - sensor.delay
     inside = (at >= time[0]) & (at <= time[-1])  # a delay would need the angle outside the recording
     return recorded[inside], at[inside]
-
-
-def _begins(time: FloatArray, ball: BallEstimate, sensor: SensorLaw, begin: float) -> float:
-    """What the sensor has before its curve where the run begins [m]."""
-    return float(sensor.position(np.array(np.interp(begin, time, ball.position))))
 
 
 def _lagging(at: FloatArray, position: FloatArray, sensor: SensorLaw, begins: float) -> FloatArray:
@@ -168,12 +193,16 @@ def _lagging(at: FloatArray, position: FloatArray, sensor: SensorLaw, begins: fl
     return SensorLaw(lag=sensor.lag).recorded(at, position) + settling
 
 
-def _start(time: FloatArray, ball: BallEstimate, sensor: SensorLaw, begin: float) -> State:
-    """State of the ball that is recorded at `begin` [s]; a lag shows a smooth motion later by its time constant."""
-    shown = begin + sensor.lag
-    position = sensor.position(np.array(np.interp(shown, time, ball.position)))
-    velocity = np.interp(shown, time, ball.velocity) / sensor.slope(position)
-    return State(float(position), float(velocity))
+def _smoothed(time: FloatArray, ball: BallEstimate, sensor: SensorLaw) -> Callable[[int], tuple[float, float, float]]:
+    """The ball's state by the smoothed readings; a lag shows a smooth motion later by its time constant."""
+
+    def state(stamp: int) -> tuple[float, float, float]:
+        shown = float(time[stamp]) + sensor.lag
+        position = sensor.position(np.array(np.interp(shown, time, ball.position)))
+        velocity = np.interp(shown, time, ball.velocity) / sensor.slope(position)
+        return float(position), float(velocity), float(sensor.position(ball.position[stamp]))
+
+    return state
 
 
 def rms_and_largest(run: ShownRun, time: FloatArray, reading: FloatArray) -> tuple[float, float]:
