@@ -82,6 +82,7 @@ class View(Summarised):
         """What was shown, and the errors of each run."""
         recorded = "recorded (simulated)" if self.case.simulated else "measured"
         lines = [f"{self.engine}, simulated, beside the {recorded} ball of {self.recording}"]
+        since = self.playback.runs[0].time[0]
         rows = [(one.name, number(1e3 * one.rms_m), number(1e3 * one.max_m)) for one in self.runs]
         lines += [
             f"{one.name}: the ball lifts off the beam at {one.lifted_off_s:.2f} s, and the run ends there"
@@ -90,7 +91,7 @@ class View(Summarised):
         ]
         columns = [*texts("run"), "RMS error [mm]", "max error [mm]"]
         return Summary(
-            f"View of {self.case.path}", lines, [Table("The whole recording as one free run", columns, rows)]
+            f"View of {self.case.path}", lines, [Table(f"One free run from {since:.2f} s on", columns, rows)]
         )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from harness.cli.options import CaseType, FiniteRange, PathType, is_quiet, quiet_option
+from harness.cli.options import CaseType, Finite, FiniteRange, PathType, is_quiet, quiet_option
 from harness.errors import InputError
 
 _PATH = PathType()
@@ -30,8 +30,8 @@ _PATH = PathType()
     show_default=True,
     help="Recorded seconds a second.",
 )
-@click.option("--from", "begin", type=FiniteRange(), metavar="SECONDS", help="Show the recording from this time on.")
-@click.option("--to", "end", type=FiniteRange(), metavar="SECONDS", help="Show the recording up to this time.")
+@click.option("--from", "begin", type=Finite(), metavar="SECONDS", help="Show the recording from this time on.")
+@click.option("--to", "end", type=Finite(), metavar="SECONDS", help="Show the recording up to this time.")
 @click.option(
     "--effects",
     multiple=True,

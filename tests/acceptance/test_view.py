@@ -122,3 +122,10 @@ def test_what_cannot_be_shown_is_refused(harness: Harness, options: tuple[object
     assert len(done.errors) == 1
     assert said in done.errors[0]
     assert list(done.folder.iterdir()) == []
+
+
+def test_times_are_plain_numbers(harness: Harness) -> None:
+    """Refuse Python's own way to write ten."""
+    done = harness("view", "paper_protocol", "--from", "1_0")
+    assert done.code == 2
+    assert "'1_0' is not a finite number" in done.err
