@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from harness.api.scene import SceneCheck, check_scene
     from harness.api.sweep import Sweep, sweep
     from harness.api.tuning import Tuning, tune
+    from harness.api.view import View, view
     from harness.errors import EngineFailure, HarnessError, InputError
 
 _NAMES = {  # in the order of docs/api.md
@@ -43,6 +44,7 @@ _NAMES = {  # in the order of docs/api.md
     "harness.api.replay": ("replay", "Replayed"),
     "harness.api.tuning": ("tune", "Tuning"),
     "harness.api.sweep": ("sweep", "Sweep"),
+    "harness.api.view": ("view", "View"),
     "harness.api.scene": ("check_scene", "SceneCheck"),
     "harness.api.compilation": ("compile_kernels", "Compilation"),
     "harness.api.doctor": ("doctor", "Doctor"),
@@ -72,6 +74,7 @@ __all__ = [
     "SceneCheck",
     "Sweep",
     "Tuning",
+    "View",
     "check",
     "check_scene",
     "compare",
@@ -85,6 +88,7 @@ __all__ = [
     "replay",
     "sweep",
     "tune",
+    "view",
 ]
 
 

@@ -33,6 +33,7 @@ from harness.cli.options import (
 from harness.cli.sweep import sweep
 from harness.cli.termination import terminable
 from harness.cli.tune import tune
+from harness.cli.view import view
 from harness.errors import HarnessError, Terminated, printable
 
 
@@ -104,6 +105,7 @@ def main() -> None:
       harness replay reports/my_rig/ my_rig/
       harness simulate --out virtual/ --imperfect
       harness tune my_rig/              contact parameters of an engine, with intervals
+      harness view my_rig/ --video my_rig.mp4   an engine's ball and the recorded one
       harness sweep sweep.toml          many runs over settings, step sizes, rigs and recordings
       harness check-scene my_rig/       a scene of your own, see docs/scenes.md
       harness import log.mat            a case of what Simulink, LabVIEW or an oscilloscope wrote
@@ -383,6 +385,7 @@ def simulate(out: Path, **options: Any) -> None:
 main.add_command(check)
 main.add_command(sweep)
 main.add_command(tune)
+main.add_command(view)
 main.add_command(check_scene)
 main.add_command(import_)
 main.add_command(export)

@@ -73,6 +73,19 @@ class FiniteRange(click.FloatRange):
         return super().convert(value, param, ctx)
 
 
+class Finite(click.ParamType):
+    """A finite number."""
+
+    name = "float"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Parse the option."""
+        try:
+            return number_in(str(value))
+        except ValueError as error:
+            self.fail(f"{error}", param, ctx)
+
+
 class StateType(click.ParamType):
     """`0.36,0.0`: position [m] and velocity [m/s]; `estimate` for None."""
 

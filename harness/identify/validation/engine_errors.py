@@ -201,7 +201,7 @@ class _Scene:
         self.rig: Rig = rig_with(problem.rig, self.effects)
         self.origin = float(problem.sensor(found.terms.effects).position(np.array(recording.origin)))
         spline = found.terms.spline
-        self.law = None if spline is None else _law(spline, own.phase, problem.rig.gravity)
+        self.law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)
         self.phase = own.phase
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
         self.sensor = sensor_with(self.effects)
@@ -283,7 +283,7 @@ class _Scene:
         return result
 
 
-def _law(spline: SplineTerm, phase: float, gravity: float) -> Law:
+def law_of(spline: SplineTerm, phase: float, gravity: float) -> Law:
     """A function that writes a spline term into the kernel's vector, one of time before every step."""
     original: dict[int, float] = {}
     written: list[FloatArray] = []

@@ -1,0 +1,84 @@
+"""A playback in MuJoCo's own viewer."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+from typing import Any
+
+import glfw
+import mujoco
+import mujoco.viewer
+
+from harness.errors import InputError
+from harness.viewing.drawing import Drawing
+from harness.viewing.playback import Playback
+from harness.viewing.player import Player, keys_told
+from harness.viewing.windows import Clock, plain_lines
+
+_KEYS = {
+    glfw.KEY_SPACE: "space",
+    glfw.KEY_LEFT: "left",
+    glfw.KEY_RIGHT: "right",
+    glfw.KEY_UP: "up",
+    glfw.KEY_DOWN: "down",
+    glfw.KEY_HOME: "home",
+    glfw.KEY_ENTER: "enter",
+    glfw.KEY_KP_ENTER: "enter",
+}
+_ASPECT = 1.5  # a little less than that of the window, which the user may change
+_PATIENCE = 5.0  # for the window to close [s]
+
+
+def show(playback: Playback, player: Player) -> None:
+    """Show a playback until the window is closed.
+
+    Raises:
+        InputError: MuJoCo's viewer does not open here.
+    """
+    drawing, pressed = Drawing(playback), queue.SimpleQueue[str]()
+    drawing.place(player.run, player.time)
+    others = set(threading.enumerate())
+    try:
+        viewer = mujoco.viewer.launch_passive(
+            drawing.model,
+            drawing.data,
+            key_callback=lambda key: pressed.put(_KEYS.get(key, "")),
+            show_left_ui=False,
+            show_right_ui=False,
+        )
+    except RuntimeError as error:
+        how = "run `mjpython -m harness view …`" if sys.platform == "darwin" else "give --video out.mp4"
+        raise InputError(f"MuJoCo's viewer does not open ({error}); {how}") from error
+    try:
+        with viewer:
+            _play(viewer, drawing, player, pressed)
+    finally:  # the window is drawn by a thread, which must not be cut off in the middle of a frame
+        for thread in set(threading.enumerate()) - others:
+            thread.join(_PATIENCE)
+
+
+def _play(viewer: Any, drawing: Drawing, player: Player, pressed: queue.SimpleQueue[str]) -> None:
+    """Until the window is closed."""
+    playback = drawing.playback
+    keys = list(zip(*keys_told(len(playback.runs)), strict=True))
+    font, top, bottom = (
+        mujoco.mjtFontScale.mjFONTSCALE_150,
+        mujoco.mjtGridPos.mjGRID_TOPLEFT,
+        mujoco.mjtGridPos.mjGRID_BOTTOMLEFT,
+    )
+    with viewer.lock():
+        drawing.aim(viewer.cam, _ASPECT)
+    clock = Clock()
+    while viewer.is_running():
+        while not pressed.empty():
+            player.press(pressed.get())
+        player.advance(clock.tick())
+        with viewer.lock():
+            now = drawing.place(player.run, player.time)
+            viewer.user_scn.ngeom = 0
+            drawing.add_ghost(viewer.user_scn)
+        told = "\n".join(plain_lines(playback, player, now))
+        viewer.set_texts([(font, top, told, ""), (font, bottom, *map("\n".join, keys))])
+        viewer.sync()
