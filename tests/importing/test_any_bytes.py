@@ -93,3 +93,10 @@ def test_any_options(tmp_path: Path, text: str) -> None:
         path.write_bytes(sound("log.lvm"))
     for options in (Options(position=text), Options(linkage=text), Options(time=text)):
         assert outcome(path, options)
+
+
+def test_a_workbook_is_told_by_its_bytes(tmp_path: Path) -> None:
+    """Read a spreadsheet under any name, as every other format."""
+    path = tmp_path / "book.bak"
+    path.write_bytes(sound("book.xlsx"))
+    assert isinstance(outcome(path, Options()), Understood)
