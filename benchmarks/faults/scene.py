@@ -89,7 +89,7 @@ class Scene:
         recording = f"case/rec_0{1 + turn % 2}.csv"
         return {
             "check": ["check", ("case", "case/rec_01.csv")[turn % 2], "--out", "out"],
-            "export": ["export", "diagnosed", "--to", ("c", "python")[turn % 2], "--out", "out"],
+            "export": ["export", "diagnosed", "--to", "statespace", "--at", f"position=0.{turn % 2}", "--out", "out"],
             "import": ["import", recording, "--out", "out"],
             "tune": [
                 *("tune", "case", "--out", "out", "--diagnosis", "diagnosed", "--free", "friction"),
