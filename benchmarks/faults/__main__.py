@@ -80,9 +80,10 @@ counted from when Python has started; half at a random one of its file operation
 place among them. The disk is full from a random file operation on, or a file cannot grow beyond a random size. A
 fault is survived if the user's file and all inputs are as they were, the folder holds the earlier result or the new
 one, whole (after a kill, or where the disk lets no file be moved back: once the next command has come to the folder),
-nothing else is left (but hidden folders after these two), the exit code is right, and there is no traceback; every
-fourth time the next command is tried, and works. Exit code 0: the command had come to its end before. An engine that
-hangs is not told by the command itself; it ends at the first signal.
+nothing else is left (but hidden folders after these two, and the runs that a sweep goes on from), no process goes on,
+the exit code is right, and there is no traceback; every fourth time the next command is tried, and works (of a sweep
+the same one, which goes on). Exit code 0, and 1 of `tune`, which finds nothing to tune in this case: the command had
+come to its end before. An engine that hangs is not told by the command itself; it ends at the first signal.
 
 | fault | command | tried | exit codes | survived |
 |---|---|---|---|---|

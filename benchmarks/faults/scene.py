@@ -7,16 +7,39 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from harness.api.sweep import UNFINISHED
 from harness.api.writing import settle, sha256_of, written
 from harness.simulator import Experiment, write_case
 
 ROOT = Path(__file__).parents[2]
+MARK = "HARNESS_FAULTS"  # in the environment of all processes of a scene
 MINE = "mine.txt"  # a file of the user's in the folder that is written into
 PATIENCE = 300.0  # for a command [s]; the longest takes a tenth of it
+_GRACE = 10.0  # for processes that the command has started, after its end [s]
+ENDS = {"tune": 1}  # exit codes of whole results that are not 0: nothing of the case needs to be tuned
+_RECORDS = {
+    "run": "manifest.json",
+    "diagnose": "diagnosis.json",
+    "check": "check.json",
+    "export": "export.json",
+    "import": "import.json",
+    "tune": "tuning.json",
+    "sweep": "sweep.json",
+}
+_SWEEP = """\
+cases = ["../case"]
+sources = ["mujoco"]
+window_s = 1.0
+design = "grid"
+time_step = [4e-3, 2e-3]
+
+[mujoco]
+friction = [0.3, {other}]
+"""
 Content = dict[str, str]  # SHA-256 by name
 
 
@@ -40,7 +63,7 @@ class Scene:
     @property
     def inputs(self) -> tuple[Path, ...]:
         """What commands only read."""
-        return (self.folder / "case", self.folder / "diagnosed")
+        return (self.folder / "case", self.folder / "diagnosed", self.folder / "specs")
 
     @staticmethod
     def of(folder: Path) -> Scene:
@@ -48,14 +71,30 @@ class Scene:
         scene = Scene(folder.resolve())
         friction = {"rolling_resistance": {"coefficient": 0.002}}
         write_case(scene.folder / "case", Experiment(declared=friction, duration=3.0, identify=1, predict=1))
+        (scene.folder / "specs").mkdir()
         done = scene.run(["diagnose", "case", "--out", "diagnosed"])
         if done.returncode:
             raise RuntimeError(done.stderr)
         return scene
 
     def arguments(self, command: str, turn: int) -> list[str]:
-        """What is typed; results of even and odd turns differ."""
+        """What is typed; results of even and odd turns differ, those of sweeps in every turn.
+
+        A sweep that was done before is only read again. Its spec of this turn is written.
+        """
+        if command == "sweep":
+            spec = self.folder / "specs" / f"sweep_{turn}.toml"
+            spec.write_text(_SWEEP.format(other=round(0.5 + 0.001 * turn, 6)), encoding="utf-8")
+            return ["sweep", f"specs/{spec.name}", "--out", "out", "--jobs", "2", "--force"]
+        recording = f"case/rec_0{1 + turn % 2}.csv"
         return {
+            "check": ["check", ("case", "case/rec_01.csv")[turn % 2], "--out", "out"],
+            "export": ["export", "diagnosed", "--to", "statespace", "--at", f"position=0.{turn % 2}", "--out", "out"],
+            "import": ["import", recording, "--out", "out"],
+            "tune": [
+                *("tune", "case", "--out", "out", "--diagnosis", "diagnosed", "--free", "friction"),
+                *("--set", f"mujoco.time_step={1 + turn % 2}e-3"),
+            ],
             "run": ["run", "case", "--out", "out", "--engine", "mujoco", "--window", "1", "--seed", str(turn % 2)],
             "diagnose": ["diagnose", "case", "--out", "out"],
             "predict": ["predict", "diagnosed", "case/rec_02.csv", "--out", "out/predicted.csv"],
@@ -70,7 +109,7 @@ class Scene:
         process = subprocess.Popen(
             [sys.executable, "-m", "benchmarks.faults.inside", fault, str(self.out), *arguments],
             cwd=self.folder,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            env={**os.environ, "PYTHONPATH": str(ROOT), MARK: str(self.folder)},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -103,14 +142,21 @@ class Scene:
             begin = time.monotonic()
             done = self.run(self.arguments(command, turn), "count")
             took = time.monotonic() - begin
-            if done.returncode:
+            if done.returncode != ENDS.get(command, 0):
                 raise RuntimeError(done.stderr)
             self.made.setdefault(command, []).append(self.content())
         return took, int(done.stderr.rsplit("operations: ", 1)[1])
 
+    def processes(self) -> list[str]:
+        """Command lines of processes that commands have started, and that do not end by themselves."""
+        end = time.monotonic() + _GRACE
+        while (found := list(_marked(self.folder))) and time.monotonic() < end:
+            time.sleep(0.05)
+        return found
+
     def content(self) -> Content:
-        """What lies in the folder beside the user's file, without what a killed command left."""
-        left = (".unfinished-", ".finished-")
+        """What lies in the folder beside the user's file, without what a killed command, or a sweep, left to go on."""
+        left = (".unfinished-", ".finished-", UNFINISHED)
         return {
             one.name: sha256_of(one) for one in self.out.iterdir() if one.name != MINE and not one.name.startswith(left)
         }
@@ -135,7 +181,18 @@ class Scene:
         now = self.content()
         if now == before or now in self.made[command]:
             return ""
-        record = {"run": "manifest.json", "diagnose": "diagnosis.json"}.get(command)
+        record = _RECORDS.get(command)
         if record is not None and dict(written(self.out / record)) == now:
             return ""
         return f"neither the earlier result nor a new one: {', '.join(sorted(now)) or 'nothing'}"
+
+
+def _marked(folder: Path) -> Iterator[str]:
+    """Command lines of living processes with the scene's mark in their environment."""
+    mark = f"{MARK}={folder}\0".encode()
+    for one in Path("/proc").glob("[0-9]*"):
+        try:
+            if mark in (one / "environ").read_bytes():
+                yield (one / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        except OSError:  # it has ended, or is another user's
+            continue

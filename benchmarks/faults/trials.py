@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.faults.scene import Scene
+from benchmarks.faults.scene import ENDS, Scene
 
-COMMANDS = ("simulate", "predict", "run", "replay", "diagnose")
+COMMANDS = ("sweep", "tune", "check", "export", "import", "simulate", "predict", "run", "replay", "diagnose")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 ENGINES = ("throws", "returns NaN", "hangs")
 _LATER_CHECK = 4  # every so many instants the command is repeated to its end
@@ -67,9 +67,11 @@ def _trial(
     *,
     again: bool,
 ) -> Trial:
+    arguments = scene.arguments(command, turn)
     before, read, hidden = scene.content(), scene.read(), set(scene.hidden())  # a kill before may have left something
-    done = scene.run(scene.arguments(command, turn), inside, meddle)
+    done = scene.run(arguments, inside, meddle)
     code = _code(done.returncode)
+    whole = ENDS.get(command, 0)
     killed = code == 128 + signal.SIGKILL
     wrong = _judge(scene, command, done, allowed)
     stays = sorted(set(scene.hidden()) - hidden)
@@ -77,16 +79,19 @@ def _trial(
         stays = [name for name in stays if not name.startswith(".finished-")]
     if not wrong and not killed and stays:
         wrong = f"{', '.join(stays)} is left"
+    if not wrong and (alive := scene.processes()):
+        wrong = f"{len(alive)} processes go on: {alive[0][:200]}"
     wrong = wrong or scene.wrong(command, before)
     if not wrong and scene.read() != read:
         wrong = "an input has been changed"
     if not wrong and again:
-        repeated = scene.run(scene.arguments(command, turn + 1))
-        wrong = _judge(scene, command, repeated, (0,)) or scene.wrong(command, {})
+        # A sweep goes on where it was stopped.
+        repeated = scene.run(arguments if command == "sweep" else scene.arguments(command, turn + 1))
+        wrong = _judge(scene, command, repeated, (whole,)) or scene.wrong(command, {})
         if not wrong and (left := scene.hidden()):
             wrong = f"{', '.join(left)} is left by the next command"
         wrong = wrong and f"the next command: {wrong}"
-    return Trial(fault, command, place, code, code == 0, wrong)
+    return Trial(fault, command, place, code, code == whole, wrong)
 
 
 def _sends(number: int, after: float) -> Callable[[subprocess.Popen[str]], None]:
@@ -109,7 +114,7 @@ def signals(scene: Scene, instants: int, generator: np.random.Generator) -> Iter
         for turn in range(count):
             sent = SIGNALS[(turn + number) % len(SIGNALS)]
             again = turn % _LATER_CHECK == 0
-            allowed = (128 + sent, 0)
+            allowed = (128 + sent, ENDS.get(command, 0))
             if turn % 2 and operations:
                 at = int(generator.integers(1, operations + 1))
                 inside = f"signal:{sent.value}:{at}"
@@ -143,7 +148,7 @@ def disk(scene: Scene, each: int, generator: np.random.Generator) -> Iterator[Tr
         if command == "replay":  # writes nothing
             continue
         _, operations = scene.prepare(command)
-        largest = max(one.stat().st_size for one in scene.out.iterdir())
+        largest = max(one.stat().st_size for one in scene.out.iterdir() if one.is_file())
         for turn in range(each):
             if turn % 2 == 0:
                 at = int(generator.integers(1, operations + 1))
@@ -153,7 +158,7 @@ def disk(scene: Scene, each: int, generator: np.random.Generator) -> Iterator[Tr
                     "disk full",
                     command,
                     f"file operation {at} of {operations}",
-                    (2, 0),
+                    (2, ENDS.get(command, 0)),
                     turn,
                     f"full:{at}",
                     again=turn == 0,

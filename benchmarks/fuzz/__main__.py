@@ -20,7 +20,7 @@ from benchmarks.fuzz.doors import Broken
 from benchmarks.fuzz.guided import counts_file
 from benchmarks.fuzz.properties import INPUTS, property_of, table_row
 
-_ROUND = 200  # inputs between two looks at the clock
+_ROUND = 20  # inputs between two looks at the clock
 
 
 @click.command()

@@ -23,10 +23,27 @@ _OPTIONS = {
         *("--tube", "--seed", "--check", "--tolerances", "--effects", "--force", "--yes", "--json"),
     ),
     "diagnose": ("--out", "--also", "--effects", "--accept", "--force", "--yes", "--json"),
+    "import": (
+        *("--out", "--into", "--join", "--time", "--angle", "--position", "--rate", "--linkage", "--flip-angle"),
+        *("--keep-signs", "--rig", "--origin", "--json"),
+    ),
+    "export": ("--to", "--out", "--fmi", "--at", "--pade", "--effects", "--force", "--json"),
+    "check": ("--out", "--force", "--json", "--quiet"),
+    "check-scene": ("--beam-joint", "--ball", "--direction", "--driven-joint", "--out", "--force", "--json"),
+    "tune": (
+        *("--engine", "--free", "--set", "--parameters", "--diagnosis", "--effects", "--accept", "--out", "--force"),
+        *("--yes", "--json"),
+    ),
+    "sweep": ("--out", "--jobs", "--on", "--force", "--yes", "--json"),
+    "completion": (),
     "simulate": ("--out", "--hide", "--declare", "--imperfection", "--duration", "--seed", "--force"),
 }
-_OF_PATHS = ("--out", "--effects", "--also", "--parameters", "--tolerances")
-_FLAGS = ("--force", "--yes", "--json", "--refit", "--engines", "--check")
+_OF_PATHS = ("--out", "--into", "--effects", "--also", "--parameters", "--tolerances", "--diagnosis")
+_FLAGS = (
+    *("--force", "--yes", "--json", "--refit", "--engines", "--check", "--join", "--flip-angle", "--keep-signs"),
+    "--quiet",
+)
+_EXPORTED = ("python", "c", "statespace", "mjcf", "no_such", "")  # of an FMU the compiler takes long
 # A case that is never good: what is before and beside it is what is tried.
 _NO_CASES = st.sampled_from((*_ABSENT[:4], RIG + "x", EFFECTS, FILE)) | strange.texts.filter(
     lambda text: "." not in text
@@ -40,12 +57,16 @@ def command_lines(draw: st.DrawFn) -> list[str]:
     words = [command]
     if command in ("predict", "replay"):
         words += [draw(st.sampled_from((FILE, FILE, ".")) | _PATHS), draw(st.sampled_from((CSV, CSV)) | _PATHS)]
-    elif command in ("run", "diagnose"):
+    elif command in ("run", "diagnose", "check", "check-scene", "tune", "sweep", "completion"):
         words.append(draw(_NO_CASES))
+    elif command == "import":
+        words.append(draw(st.sampled_from((CSV, CSV)) | _PATHS))
+    elif command == "export":
+        words += [draw(st.sampled_from((FILE, FILE, ".")) | _PATHS), "--to", draw(st.sampled_from(_EXPORTED))]
     else:
         words += ["--hide", "no_such_effect.size=1"]
     for _ in range(draw(st.integers(0, 3))):
-        option = draw(st.sampled_from(_OPTIONS[command]) | st.sampled_from(("--help", "--no-such", "-x")))
+        option = draw(st.sampled_from((*_OPTIONS[command], "--help")) | st.sampled_from(("--help", "--no-such", "-x")))
         words.append(option)
         if option.startswith("--") and option not in (*_FLAGS, "--help", "--no-such"):
             words.append(draw(_PATHS if option in _OF_PATHS else _VALUES))

@@ -14,7 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.fuzz.doors import CSV, RIG, Broken, seed
+from benchmarks.fuzz import corpus_of_files
+from benchmarks.fuzz.doors import CSV, MJCF, RIG, URDF, Broken, seed
 from benchmarks.fuzz.properties import outcome_of
 from benchmarks.fuzz.python_files import FIRST, LAWS, OTHERS
 from harness.identify.record import FILE
@@ -22,6 +23,7 @@ from harness.identify.record import FILE
 FOLDER = Path("tests/fuzz/corpus")
 TABLE = "outcomes.csv"
 SUFFIXES = {"csv": ".csv", "rig": ".toml", "diagnosis": ".json", "effects": ".txt", "options": ".json"}
+SUFFIXES |= {"import": ".dat", "sweep": ".toml", "settings": ".toml", "mjcf": ".xml", "urdf": ".urdf"}
 """Effects are kept as text, so that no tool takes them for Python of the project."""
 Kept = tuple[str, str, bytes]
 """Kind, name, content."""
@@ -177,6 +179,20 @@ def options() -> Iterator[tuple[str, bytes]]:
         ("simulate", "--out", "new", "--hide", "level_error.angle=nan"),
         ("simulate", "--out", "new", "--duration", "1e9"),
         ("no_such_command",),
+        ("import", FILE, "--out", "new"),
+        ("import", "missing", "--linkage", "r=0"),
+        ("import", CSV, "--rig", "ball.mass_kg=nan"),
+        ("import", CSV, "--out", RIG),
+        ("export", FILE, "--to", "python", "--out", CSV),
+        ("export", FILE, "--to", "statespace", "--at", "position=nan"),
+        ("export", RIG, "--to", "c"),
+        ("check-scene", "."),
+        ("check-scene", RIG),
+        ("sweep", CSV),
+        ("sweep", "missing", "--on", "dask://"),
+        ("tune", "missing", "--parameters", FILE),
+        ("run", "missing", "--set", "mujoco.friction=" + "9" * 5000),
+        ("run", "missing", "--set", "mujoco.friction=" + "[" * 5000),
     )
     for at, words in enumerate(lines):
         yield f"line_{at:02d}", json.dumps(words).encode()
@@ -190,6 +206,11 @@ def every() -> Iterator[Kept]:
         ("diagnosis", diagnoses()),
         ("effects", effects()),
         ("options", options()),
+        ("import", corpus_of_files.foreign()),
+        ("sweep", corpus_of_files.sweeps()),
+        ("settings", corpus_of_files.settings()),
+        ("mjcf", corpus_of_files.scenes(MJCF)),
+        ("urdf", corpus_of_files.scenes(URDF)),
     ):
         for name, content in made:
             yield kind, name, content

@@ -11,11 +11,39 @@ from typing import Any
 from hypothesis import strategies as st
 
 from benchmarks.fuzz import strange
-from benchmarks.fuzz.doors import RIG, seed
+from benchmarks.fuzz.doors import RIG, SETTINGS, SWEEP, seed
 from harness.identify.record import FILE
 
 _EFFECTS = ("level_error", "rolling_resistance", "channel_delay", "angle_gain", "level_per_recording", "no_such_effect")
 _KEYS = ("mass_kg", "radius_m", "length_m", "angle", "coefficient", "delay", "name", "identify", "predict", "origin")
+
+_SWEEP = (
+    "cases",
+    "recordings",
+    "sources",
+    "window_s",
+    "design",
+    "size",
+    "seed",
+    "indices",
+    "time_limit_s",
+    "time_step",
+)
+_SWEEP_VALUES: tuple[Any, ...] = (
+    *(["case", "case"], ["."], ["../case"], ["mujoco", "dart"], [], "grid", "sobol", "latin_hypercube", "all"),
+    *(0, -1, 3, 64, 10**6, 2**60, 1e-12, 1e300, True, {"low": 1e-3, "high": 1e-4}, {"low": 0.0, "high": 1.0}),
+    *({"low": 1e-3, "high": 1e-2, "levels": 10**9}, {"low": 0.0, "high": 1.0, "scale": "log", "levels": 3}),
+)
+_SETTINGS = (
+    "friction",
+    "time_step",
+    "rolling_friction",
+    "cone",
+    "solver",
+    "rolling_radius_m",
+    "gravity_m_s2",
+    "mass_kg",
+)
 
 
 @st.composite
@@ -28,6 +56,30 @@ def rig_files(draw: st.DrawFn) -> bytes:
     for _ in range(draw(st.integers(0, 4))):
         content = draw(_changed(content))
     return draw(strange.edited(_toml(content).encode("utf-8", errors="replace"), most=2))
+
+
+@st.composite
+def sweep_files(draw: st.DrawFn) -> bytes:
+    """Bytes of a changed sweep.toml."""
+    content = tomllib.loads(seed(SWEEP).decode())
+    if draw(st.booleans()):
+        content[draw(st.sampled_from(tuple(_SWEEP)))] = draw(st.sampled_from(_SWEEP_VALUES) | strange.trees)
+    for _ in range(draw(st.integers(0, 3))):
+        content = draw(_changed(content))
+    return draw(strange.edited(_toml(content).encode("utf-8", errors="replace"), most=draw(st.sampled_from((0, 0, 2)))))
+
+
+@st.composite
+def settings_files(draw: st.DrawFn) -> bytes:
+    """Bytes of a changed file of settings, as `tune` writes it and `--parameters` takes it."""
+    content = tomllib.loads(seed(SETTINGS).decode())
+    if draw(st.booleans()):
+        engine = draw(st.sampled_from(("mujoco", "pybullet", "dart", "rig", "cam", "no_such")))
+        key = draw(st.sampled_from(_SETTINGS) | strange.texts)
+        content[engine] = {key: draw(strange.scalars | st.sampled_from(("none", "elliptic", 1e-9)))}
+    for _ in range(draw(st.integers(0, 3))):
+        content = draw(_changed(content))
+    return draw(strange.edited(_toml(content).encode("utf-8", errors="replace"), most=draw(st.sampled_from((0, 0, 2)))))
 
 
 @st.composite
@@ -56,7 +108,7 @@ def _changed(draw: st.DrawFn, content: Any) -> Any:
     kind = draw(st.sampled_from(("value", "value", "number", "delete", "add", "tree", "rename")))
     if kind == "delete":
         del home[key]
-    elif kind == "number" and isinstance(inner, int | float):
+    elif kind == "number" and isinstance(inner, int | float) and abs(inner) < 1e300:
         home[key] = draw(st.sampled_from((-inner, 0 * inner, 1e3 * inner, 1e-6 * inner, 1e200 * inner, inner + 1)))
     elif kind == "add" and isinstance(home, dict):
         home[draw(st.sampled_from(_KEYS) | strange.texts)] = draw(strange.scalars)

@@ -11,16 +11,32 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.command_lines import command_lines, replaced_by
-from benchmarks.fuzz.documents import diagnosis_files, rig_files
-from benchmarks.fuzz.doors import CSV, DOORS, EFFECTS, RIG, Outcome, outcome, seed, through_command
+from benchmarks.fuzz.documents import diagnosis_files, rig_files, settings_files, sweep_files
+from benchmarks.fuzz.doors import (
+    CSV,
+    DOORS,
+    EFFECTS,
+    FOREIGN,
+    MJCF,
+    RIG,
+    SETTINGS,
+    SWEEP,
+    URDF,
+    Outcome,
+    outcome,
+    seed,
+    through_command,
+)
+from benchmarks.fuzz.foreign import foreign_files
 from benchmarks.fuzz.python_files import effect_files
+from benchmarks.fuzz.scenes import mjcf_files, urdf_files
 from benchmarks.fuzz.tables import csv_files
 from harness.identify.record import FILE
 
 Property = Callable[[], None]
-INPUTS = ("csv", "rig", "diagnosis", "effects", "options")
+INPUTS = ("csv", "rig", "diagnosis", "effects", "options", "import", "sweep", "settings", "mjcf", "urdf")
 _LISTED = (CSV, "rec_02.csv", "rec_03.csv")
-SEEDS = {name: seed(name) for name in (CSV, RIG, EFFECTS, FILE)}
+SEEDS = {name: seed(name) for name in (CSV, RIG, EFFECTS, FILE, SWEEP, SETTINGS, MJCF)}
 
 
 def strategy_of(kind: str) -> st.SearchStrategy:
@@ -31,6 +47,11 @@ def strategy_of(kind: str) -> st.SearchStrategy:
         "diagnosis": diagnosis_files,
         "effects": effect_files,
         "options": command_lines,
+        "import": foreign_files,
+        "sweep": sweep_files,
+        "settings": settings_files,
+        "mjcf": mjcf_files,
+        "urdf": urdf_files,
     }[kind]()
 
 
@@ -50,6 +71,15 @@ def outcome_of(kind: str, given: bytes | list[str]) -> Outcome:
         )
     if kind == "diagnosis":
         return outcome(DOORS["diagnosis"], {CSV: SEEDS[CSV], FILE: given})
+    if kind == "sweep":
+        case = {f"case/{name}": SEEDS[CSV] for name in _LISTED}
+        return outcome(DOORS["sweep"], {**case, f"case/{RIG}": SEEDS[RIG], SWEEP: given})
+    if kind == "settings":
+        return outcome(DOORS["settings"], {CSV: SEEDS[CSV], SETTINGS: given})
+    if kind in ("mjcf", "urdf"):
+        return outcome(DOORS["scene"], {MJCF if kind == "mjcf" else URDF: given})
+    if kind == "import":
+        return outcome(DOORS["import"], {FOREIGN: given})
     return outcome(DOORS["effects"], {EFFECTS: given})
 
 

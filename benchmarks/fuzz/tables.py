@@ -43,7 +43,7 @@ def _changed(draw: st.DrawFn, cells: Cells) -> Cells:
     kind = draw(st.sampled_from(_CHANGES))
     if not cells or column >= len(cells[row]):
         return cells
-    if kind == "header":
+    if kind == "header" and cells[0]:
         cells[0][min(column, len(cells[0]) - 1)] = draw(strange.headers)
     elif kind == "number":
         cells[row][column] = draw(strange.numbers)

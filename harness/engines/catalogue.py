@@ -15,6 +15,7 @@ from analytic.naming import did_you_mean
 from harness.engines.parameters import EngineParameters
 from harness.errors import InputError
 from harness.scene import Scene
+from harness.toml_text import parse_toml
 
 if TYPE_CHECKING:
     from analytic.rig import Rig
@@ -88,7 +89,7 @@ def read_settings(file: Path | None, assignments: Sequence[str]) -> dict[str, di
     settings: dict[str, dict[str, Any]] = {}
     if file is not None:
         try:
-            tables = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+            tables = parse_toml(file.read_text(encoding="utf-8-sig"))
         except OSError as error:
             raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
         except ValueError as error:  # invalid TOML or invalid UTF-8
@@ -150,6 +151,6 @@ def _value(text: str) -> Any:
     if text == "none":
         return None
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        return parse_toml(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text

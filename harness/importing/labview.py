@@ -31,7 +31,7 @@ def read(path: Path, sha256: str, lines: Sequence[str]) -> SourceFile:
         InputError: the file has no data, or a cell that is not a number.
     """
     header = _entries(lines[: _ends(lines)[0]], "\t")
-    separator = _SEPARATORS.get(header.get("separator", ["tab"])[0].casefold(), "\t")
+    separator = _SEPARATORS.get((header.get("separator") or ["tab"])[0].casefold(), "\t")
     header = _entries(lines[: _ends(lines)[0]], separator)
     layout = (header.get("x_columns") or ["One"])[0].casefold()
     segments = [one for one in _segments(path, lines, separator, layout) if one is not None]

@@ -28,9 +28,10 @@ def read_workbook(path: Path) -> SourceFile:
             "save the sheet as CSV."
         ) from None
     try:
-        book = load_workbook(path, read_only=True, data_only=True)
-        sheets = [(sheet.title, [list(row) for row in sheet.iter_rows(values_only=True)]) for sheet in book.worksheets]
-        book.close()
+        with path.open("rb") as stream:  # of a path openpyxl would look at the name, too
+            book = load_workbook(stream, read_only=True, data_only=True)
+            sheets = [(one.title, [list(row) for row in one.iter_rows(values_only=True)]) for one in book.worksheets]
+            book.close()
     except INTERRUPTS:
         raise
     except Exception as error:  # openpyxl raises whatever a damaged file leads to

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from harness.recording.case import Case
 from harness.recording.findings import DataFinding
 from harness.recording.known_rig import KnownRig
 from harness.recording.rig_file import TABLES
+from harness.toml_text import parse_toml
 
 TABLE = "rig"
 _QUANTITIES = {
@@ -31,7 +31,7 @@ def rig_changes(file: Path | None) -> dict[str, float]:
     if file is None:
         return {}
     try:
-        table = tomllib.loads(file.read_text(encoding="utf-8-sig")).get(TABLE, {})
+        table = parse_toml(file.read_text(encoding="utf-8-sig")).get(TABLE, {})
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
     except ValueError as error:
@@ -45,7 +45,10 @@ def rig_changes(file: Path | None) -> dict[str, float]:
             raise InputError(f"{file}: [{TABLE}] has no {key!r}.{hint} Quantities are: {', '.join(_QUANTITIES)}.")
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{file}: [{TABLE}] {key} is {value!r}; give a number")
-        changes[_QUANTITIES[key]] = float(value)
+        try:
+            changes[_QUANTITIES[key]] = float(value)
+        except OverflowError:  # TOML has integers of any length
+            raise InputError(f"{file}: [{TABLE}] {key} is too large for a number of physics; correct it") from None
     return changes
 
 

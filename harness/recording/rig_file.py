@@ -16,6 +16,7 @@ from harness.recording.known_rig import Declared, KnownRig, Sensors
 from harness.recording.scene_files import scene_of
 from harness.recording.source import read_source
 from harness.scene import Scene
+from harness.toml_text import parse_toml
 
 Positive = Annotated[float, Field(gt=0.0)]
 DENSITIES = (10.0, 23_000.0)  # kg/m³: foam, and above osmium
@@ -137,7 +138,7 @@ def read_rig_file(path: Path) -> RigFile:
     source = read_source(path)
     text = source.text
     try:
-        content = _RigFile.model_validate(tomllib.loads(text))
+        content = _RigFile.model_validate(parse_toml(text))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not valid TOML: {error}.{_quoted_line(text, str(error))}") from None
     except ValidationError as error:

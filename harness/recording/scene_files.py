@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 
 from analytic.naming import did_you_mean
 from harness.errors import InputError
+from harness.recording.scene_sizes import check_sizes
 from harness.scene import Scene
 
 # Attributes that name a file, in MJCF and in URDF; a cube's texture has six.
@@ -83,9 +84,10 @@ def scene_of(
     )
 
 
-def _gather(folder: Path, main: Path, hashes: dict[str, str]) -> None:
-    """Add the hashes of an XML file and of all that it names."""
+def _gather(folder: Path, main: Path, hashes: dict[str, str], above: frozenset[Path] = frozenset()) -> None:
+    """Add the hashes of an XML file and of all that it names; `above` are the files whose part it is."""
     waiting, home = [main], main.parent
+    above |= {main.resolve()}
     settings: dict[str, str] = {}
     named: list[tuple[Path, Element, str]] = []
     while waiting:
@@ -97,7 +99,10 @@ def _gather(folder: Path, main: Path, hashes: dict[str, str]) -> None:
                 elif element.tag == "include":
                     waiting.append(_inside(folder, home, text, f"{file}: <include>"))
                 elif element.tag == "model":  # a model of its own, with its own settings
-                    _gather(folder, _inside(folder, home, text, f"{file}: <model>"), hashes)
+                    model = _inside(folder, home, text, f"{file}: <model>")
+                    if model.resolve() in above:
+                        raise InputError(f"{file}: <model> names '{text}', which this file is part of. Delete it.")
+                    _gather(folder, model, hashes, above)
                 else:
                     named.append((file, element, text))
     for file, element, text in named:
@@ -119,9 +124,12 @@ def _references(file: Path) -> Iterator[tuple[Element, str]]:
         ) from None
     except ParseError as error:
         raise InputError(f"{file}: not valid XML: {error}. Correct the file.") from None
+    except (LookupError, ValueError) as error:  # of an encoding in its first line
+        raise InputError(f"{file}: cannot be read as XML ({error}). Save it as UTF-8.") from None
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror}). Check its permissions.") from None
     for element in root.iter():
+        check_sizes(file, element)
         if element.tag == "compiler":
             yield element, ""
         for door in _DOORS:

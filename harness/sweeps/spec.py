@@ -18,6 +18,7 @@ from harness.recording.case import case_path
 from harness.recording.source import read_source
 from harness.sweeps.factors import CAM_SOURCE, Factor, factors_of
 from harness.sweeps.ranges import Range, Varied
+from harness.toml_text import parse_toml
 
 SOURCES = (*ENGINES, CAM_SOURCE)
 GRID, LATIN_HYPERCUBE, SOBOL = "grid", "latin_hypercube", "sobol"
@@ -89,7 +90,7 @@ def read_spec(path: Path) -> Spec:
     """
     text = read_source(path).text
     try:
-        raw = tomllib.loads(text)
+        raw = parse_toml(text)
         content = _Content.model_validate(raw)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not valid TOML: {error}.") from None

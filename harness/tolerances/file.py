@@ -32,6 +32,7 @@ from harness.errors import InputError
 from harness.metrics import WHOLE, Better, Metric, find_metric
 from harness.recording.source import read_source
 from harness.tolerances.limits import AGAINST_CAM, DIFFERENCES, Limit, Tolerances
+from harness.toml_text import parse_toml
 
 TOLERANCES_FILE = "tolerances.toml"
 DEFAULTS = Path(__file__).parents[1] / "data" / TOLERANCES_FILE
@@ -68,7 +69,7 @@ def read_tolerances(path: Path, *, chosen: str = "given") -> Tolerances:
             message names file and table and lists valid names.
     """
     try:
-        content = tomllib.loads(read_source(path).text)
+        content = parse_toml(read_source(path).text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not valid TOML: {error}.") from None
     try:

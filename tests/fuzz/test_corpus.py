@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.fuzz.corpus import SUFFIXES, TABLE, every, given_of, place_in
 from benchmarks.fuzz.doors import seed
+from benchmarks.fuzz.foreign import BINARIES, BOOK, TEXTS
 from benchmarks.fuzz.properties import INPUTS, outcome_of
 
 CORPUS = Path(__file__).parent / "corpus"
@@ -47,5 +48,10 @@ def test_the_seeds_are_good() -> None:
         ("rig", "rig.toml"),
         ("diagnosis", "diagnosis.json"),
         ("effects", "mine.py"),
+        ("sweep", "sweep.toml"),
+        ("settings", "tuned.toml"),
+        ("mjcf", "own.xml"),
+        ("urdf", "own.urdf"),
+        *(("import", one) for one in (*TEXTS, *BINARIES, BOOK)),
     ):
         assert outcome_of(kind, seed(name)).code == 0, name

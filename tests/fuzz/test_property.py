@@ -16,6 +16,7 @@ from benchmarks.fuzz.properties import property_of
 from harness.errors import HarnessError, InputError
 
 NUMBER = {"csv": 300, "rig": 400, "diagnosis": 150, "effects": 200, "options": 250}
+NUMBER |= {"import": 150, "sweep": 150, "settings": 200, "mjcf": 60, "urdf": 60}
 """Of inputs: each takes some ten seconds."""
 
 

@@ -93,3 +93,18 @@ def test_any_options(tmp_path: Path, text: str) -> None:
         path.write_bytes(sound("log.lvm"))
     for options in (Options(position=text), Options(linkage=text), Options(time=text)):
         assert outcome(path, options)
+
+
+def test_a_workbook_is_told_by_its_bytes(tmp_path: Path) -> None:
+    """Read a spreadsheet under any name, as every other format."""
+    path = tmp_path / "book.bak"
+    path.write_bytes(sound("book.xlsx"))
+    assert isinstance(outcome(path, Options()), Understood)
+
+
+def test_a_separator_without_a_name_is_a_tab(tmp_path: Path) -> None:
+    """Read a LabVIEW file whose header has the key Separator and no value."""
+    path = tmp_path / "log.lvm"
+    path.write_bytes(sound("log.lvm").replace(b"Separator\tTab", b"Separator", 1))
+    assert b"Separator\n" in path.read_bytes() or b"Separator\r" in path.read_bytes()
+    assert isinstance(outcome(path, Options()), Understood)

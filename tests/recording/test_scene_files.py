@@ -32,9 +32,29 @@ def test_included_files_and_meshes_belong_to_the_scene(tmp_path: Path) -> None:
         ('<mujoco><asset><mesh file="raill.obj"/></asset></mujoco>', "no file .*raill.obj.* Did you mean 'rail.obj'"),
         ('<!DOCTYPE a [<!ENTITY b SYSTEM "/etc/hostname">]><mujoco>&b;</mujoco>', "document type"),
         ("<mujoco><worldbody></mujoco>", "not valid XML.*mismatched tag"),
+        ('<?xml version="1.0" encoding="no-such"?><mujoco/>', "unknown encoding.*Save it as UTF-8"),
+        (
+            '<mujoco><asset><model name="m" file="own.xml"/></asset></mujoco>',
+            "names 'own.xml', which this file is",
+        ),
+        ('<mujoco><asset><hfield nrow="100000" ncol="100000"/></asset></mujoco>', r"<hfield> has 1e\+10 parts"),
+        ('<mujoco><worldbody><replicate count="1000000"/></worldbody></mujoco>', r"<replicate> has 1e\+06 parts"),
+        ('<robot><link><geometry><sphere radius="-1"/></geometry></link></robot>', "<sphere> has radius='-1'"),
         ('<robot><mesh filename="package://rig/rail.obj"/></robot>', "by its path relative to"),
     ],
-    ids=["include outside", "mesh outside", "missing mesh", "entity", "not XML", "package"],
+    ids=[
+        "include outside",
+        "mesh outside",
+        "missing mesh",
+        "entity",
+        "not XML",
+        "encoding",
+        "itself",
+        "field",
+        "replicas",
+        "radius",
+        "package",
+    ],
 )
 def test_what_lies_outside_or_is_no_scene_is_refused(tmp_path: Path, text: str, message: str) -> None:
     """Refuse the file with a message that names it."""
