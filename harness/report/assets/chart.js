@@ -370,7 +370,7 @@
       const idle = this.points && this.hovered === null; // points have no instant
       this.readout.textContent = idle ? "" : `${this.data.label} ${report.text(at, this.data.unit)}`;
       for (const entry of this.entries)
-        entry.value.textContent = entry.each
+        entry.value.textContent = idle ? "" : entry.each
           .filter(({ one }) => !one.dots && one.rows === undefined)
           .map(({ one, panel }) => {
             const value = report.valueAt(this.x, one.y, at);
