@@ -156,8 +156,9 @@ class Chart:
         rows = len(x)
         packed = iter([[pack(column[kept]) for column in each] for each in columns])
         panels = []
+        notes: dict[str, int] = {}  # each once: panels often draw the same samples
         for panel in self.panels:
-            series = [_series(trace, next(packed)) for trace in panel.traces]
+            series = [_series(trace, next(packed), notes) for trace in panel.traces]
             panels.append(
                 {
                     "label": panel.label, "unit": panel.unit, "title": panel.title, "log": panel.log,
@@ -167,17 +168,18 @@ class Chart:
         return {
             "id": self.anchor, "label": self.x_label, "unit": self.x_unit, "clock": self.clock, "log": self.log_x,
             "x": pack(x[kept], "<f8"), "panels": panels, "rows": len(kept), "of": rows,
+            "notes": list(notes),
             "marks": [vars(one) for one in self.marks],
         }  # fmt: skip
 
 
-def _series(trace: Trace, values: Sequence[str]) -> dict[str, Any]:
+def _series(trace: Trace, values: Sequence[str], notes: dict[str, int]) -> dict[str, Any]:
     look, rest = trace.look, list(values)
     return {
         "key": trace.key, "label": look.label, "colour": look.colour, "dash": look.dash, "width": look.width,
         "dots": trace.dots, "values": rest.pop(0), "low": rest.pop(0) if trace.low is not None else None,
         "spread": rest.pop(0) if trace.spread is not None else None,
-        "notes": [trace.notes[at] for at in trace.order] if trace.notes else [],
+        "notes": [notes.setdefault(trace.notes[at], len(notes)) for at in trace.order] if trace.notes else [],
         "order": np.argsort(trace.order).tolist() if trace.notes else [],
     }  # fmt: skip
 

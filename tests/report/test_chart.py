@@ -56,8 +56,9 @@ def test_points_keep_what_they_are():
     """Sort points by their abscissa with their notes and bars; tell the order in which a line joins them."""
     trace = Trace("a", LOOK, [3.0, 1.0, 2.0], [30.0, 10.0, 20.0], notes=["c", "a", "b"], spread=[0.3, np.nan, 0.2])
     chart = Chart("a", [Panel("y", "m", [trace, Trace("b", LOOK, [0.5, 2.5], [5.0, 25.0])])])
-    (first, _) = chart.data()["panels"][0]["series"]
-    assert first["notes"] == ["a", "b", "c"]
+    data = chart.data()
+    (first, _) = data["panels"][0]["series"]
+    assert [data["notes"][at] for at in first["notes"]] == ["a", "b", "c"]
     assert first["order"] == [2, 0, 1]  # the line begins at the third point from the left
     for name, expected in (
         ("values", [-np.inf, 10, 20, -np.inf, 30]),

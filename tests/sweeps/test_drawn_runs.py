@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 import pytest
 
+from harness.report.sweep import render_sweep
 from harness.sweeps import Plan
 from harness.sweeps.drawn_runs import MOST_RUNS, drawn_runs, logarithmic, numeric_factors
 from harness.sweeps.results import results_of
@@ -19,6 +22,10 @@ cone = ["elliptic", "pyramidal"]
 level_angle_rad = [0.0, 0.001]
 mass_kg = 0.07
 """
+RANGES = (
+    ("mass_kg", 0.05, 0.09), ("rolling_radius_m", 0.011, 0.012), ("inertia_kg_m2", 4e-6, 5e-6),
+    ("eccentricity_m", 0.03, 0.04), ("gravity_m_s2", 9.7, 9.9), ("level_angle_rad", -0.004, 0.004),
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +37,13 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
 @pytest.fixture(scope="module")
 def rows(plan: Plan, tmp_path_factory: pytest.TempPathFactory):
     """Rows as if they had been: every seventh failed, run 1000 fits best of MuJoCo's."""
+    file = tmp_path_factory.mktemp("rows") / "runs.parquet"
+    table_of(plan).to_parquet(file)
+    return file
+
+
+def table_of(plan: Plan) -> pd.DataFrame:
+    """Rows that no run was carried out for."""
     runs = [plan.run(number) for number in range(len(plan))]
     table = pd.DataFrame(
         {
@@ -46,9 +60,7 @@ def rows(plan: Plan, tmp_path_factory: pytest.TempPathFactory):
         }
     )
     table.loc[table["failure"].notna(), ["error_measured_rms_m", "error_cam_max_m"]] = None
-    file = tmp_path_factory.mktemp("rows") / "runs.parquet"
-    table.to_parquet(file)
-    return file
+    return table
 
 
 def test_an_even_choice_with_the_best_fits_is_drawn(plan: Plan, rows) -> None:
@@ -74,3 +86,17 @@ def test_numbers_that_vary_are_axes(plan: Plan) -> None:
     assert logarithmic(plan, "mujoco.friction")
     assert logarithmic(plan, "time_step")
     assert not logarithmic(plan, "rig.level_angle_rad")  # 0 is among them
+
+
+def test_a_page_of_many_factors_stays_below_5_mb(tmp_path: Path) -> None:
+    """Draw 800 runs over eight quantities with long names into one page that can be sent by mail."""
+    varied = "\n".join(f"{name} = {{ low = {low}, high = {high} }}" for name, low, high in RANGES)
+    effects = "[effects.rolling_resistance]\ncoefficient = { low = 0.0, high = 0.002 }\n"
+    effects += "[effects.contact_slip]\nfriction_coefficient = { low = 0.1, high = 0.2 }"
+    spec = f'sources = ["cam", "mujoco"]\ndesign = "latin_hypercube"\nsize = 1000\n[rig]\n{varied}\n{effects}\n'
+    plan = planned(tmp_path, spec)
+    rows = tmp_path / "runs.parquet"
+    table_of(plan).to_parquet(rows)
+    page = render_sweep(plan, results_of(plan, rows), rows)
+    assert page.count('class="chart-data"') >= 8
+    assert len(page.encode()) < 5e6

@@ -16,7 +16,7 @@
         one.lower = one.low === null ? null : report.column(one.low);
         if (panel.log) one.y = one.y.map((value) => (value <= 0 && value !== null ? null : value)); // undefined stays so
         if (one.spread !== null) one.spread = report.column(one.spread);
-        if (one.notes.length > 0) report.points.prepare(one);
+        if (one.notes.length > 0) report.points.prepare(one, data.notes);
         delete one.values;
         delete one.low;
       }

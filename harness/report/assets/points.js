@@ -10,9 +10,9 @@
   }
 
   // What was read of a series of points: rows and notes in the order of its line.
-  function prepare(one) {
+  function prepare(one, notes) {
     one.rows = rowsOf(one);
-    one.notes = one.order.map((rank) => one.notes[rank]);
+    one.notes = one.order.map((rank) => notes[one.notes[rank]]);
   }
 
   // A line from point to point; a point without a value breaks it.
