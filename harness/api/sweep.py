@@ -158,7 +158,8 @@ def _written(plan: Plan, scratch: Path, folder: Path, about: Mapping[str, Any], 
 
     results = results_of(plan, scratch / ROWS)
     failures = Failures()
-    (scratch / REPORT).write_text(render_sweep(plan, results, command=command, failures=failures), encoding="utf-8")
+    page = render_sweep(plan, results, scratch / ROWS, command=command, failures=failures)
+    (scratch / REPORT).write_text(page, encoding="utf-8")
     record = {
         "schema": 1,
         "command": command,

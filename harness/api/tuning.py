@@ -143,7 +143,7 @@ class Tuning(Summarised):
         return folder
 
     def _subject(self) -> Any:
-        from harness.report.tuning.sections import Subject
+        from harness.report.tuning.subject import Subject
 
         return Subject(self.tuned, self.cam, self.case, self.settings_text, self.command)
 

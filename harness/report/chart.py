@@ -31,6 +31,10 @@ class Trace:
         y: ordinate, shape (n,); what is not finite is a gap.
         dots: whether samples are drawn as dots without a line.
         low: lower edge of a band whose upper edge is `y`, shape (n,); `None` for a line.
+        notes: what each sample is, for readers, n texts: the samples are then marked as points, and the one nearest to
+            the mouse is told. Their abscissas are finite and in any order; a line joins them in the order given. Empty
+            for a line whose samples are nothing by themselves.
+        spread: half-length of each point's error bar, shape (n,); NaN for none. `None` for points without.
     """
 
     key: str
@@ -39,17 +43,26 @@ class Trace:
     y: ArrayLike
     dots: bool = False
     low: ArrayLike | None = None
+    notes: Sequence[str] = ()
+    spread: ArrayLike | None = None
+
+    @cached_property
+    def order(self) -> NDArray[np.intp]:
+        """Samples in the order of the abscissa, shape (n,)."""
+        x = np.asarray(self.x, dtype=np.float64)
+        return np.argsort(x, kind="stable") if self.notes else np.arange(len(x))
 
     @property
     def abscissa(self) -> FloatArray:
-        """`x` without NaN, shape (n,)."""
-        x = np.asarray(self.x, dtype=np.float64)
+        """`x` in ascending order and without NaN, shape (n,)."""
+        x = np.asarray(self.x, dtype=np.float64)[self.order]
         return x[np.maximum.accumulate(np.where(np.isnan(x), 0, np.arange(len(x))))]
 
     @property
     def columns(self) -> list[FloatArray]:
-        """The ordinates: one, or two of a band."""
-        return [np.asarray(one, dtype=np.float64) for one in (self.y, self.low) if one is not None]
+        """The ordinates in the same order: one; two of a band; with the half-lengths of error bars."""
+        given = [one for one in (self.y, self.low, self.spread) if one is not None]
+        return [np.asarray(one, dtype=np.float64)[self.order] for one in given]
 
 
 @dataclass(frozen=True)
@@ -117,7 +130,14 @@ class Chart:
         """Common abscissa, ordinates of each trace, and the rows that are kept."""
         traces = [trace for panel in self.panels for trace in panel.traces]
         x, columns = merged([(one.abscissa, one.columns) for one in traces])
+        if self.pointed:  # every one of them can be asked for
+            return x, columns, np.arange(len(x))
         return x, columns, thinned([column for each in columns for column in each], MAX_ROWS)
+
+    @property
+    def pointed(self) -> bool:
+        """Whether it has points that tell what they are; these are not thinned."""
+        return any(trace.notes for panel in self.panels for trace in panel.traces)
 
     @property
     def thinning_note(self) -> str:
@@ -136,8 +156,9 @@ class Chart:
         rows = len(x)
         packed = iter([[pack(column[kept]) for column in each] for each in columns])
         panels = []
+        notes: dict[str, int] = {}  # each once: panels often draw the same samples
         for panel in self.panels:
-            series = [_series(trace, next(packed)) for trace in panel.traces]
+            series = [_series(trace, next(packed), notes) for trace in panel.traces]
             panels.append(
                 {
                     "label": panel.label, "unit": panel.unit, "title": panel.title, "log": panel.log,
@@ -147,15 +168,19 @@ class Chart:
         return {
             "id": self.anchor, "label": self.x_label, "unit": self.x_unit, "clock": self.clock, "log": self.log_x,
             "x": pack(x[kept], "<f8"), "panels": panels, "rows": len(kept), "of": rows,
+            "notes": list(notes),
             "marks": [vars(one) for one in self.marks],
         }  # fmt: skip
 
 
-def _series(trace: Trace, values: Sequence[str]) -> dict[str, Any]:
-    look = trace.look
+def _series(trace: Trace, values: Sequence[str], notes: dict[str, int]) -> dict[str, Any]:
+    look, rest = trace.look, list(values)
     return {
         "key": trace.key, "label": look.label, "colour": look.colour, "dash": look.dash, "width": look.width,
-        "dots": trace.dots, "values": values[0], "low": values[1] if len(values) > 1 else None,
+        "dots": trace.dots, "values": rest.pop(0), "low": rest.pop(0) if trace.low is not None else None,
+        "spread": rest.pop(0) if trace.spread is not None else None,
+        "notes": [notes.setdefault(trace.notes[at], len(notes)) for at in trace.order] if trace.notes else [],
+        "order": np.argsort(trace.order).tolist() if trace.notes else [],
     }  # fmt: skip
 
 

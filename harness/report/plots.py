@@ -2,6 +2,7 @@
 
 import base64
 import io
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -25,7 +26,9 @@ WIDTH = 9.0  # [in]
 _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
+_WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
 _USE = "Drag to zoom, with Shift to move; Ctrl and wheel, the buttons or + − ← → 0 do the same."
+_POINTS = "The point nearest to the mouse says what it is; ‹ and › go from point to point."
 
 style = partial(context, Path(__file__).with_name("report.mplstyle"))
 """The common Matplotlib style, as a context or as a decorator."""
@@ -58,7 +61,8 @@ class Picture:
         if self.chart is None:
             return ""
         linked = " A click sets the instant of all plots and of the replay." if self.chart.clock else ""
-        return f"{_USE}{linked}{self.chart.thinning_note}"
+        points = f" {_POINTS}" if self.chart.pointed else ""
+        return f"{_USE}{linked}{points}{self.chart.thinning_note}"
 
 
 def picture(
@@ -257,6 +261,16 @@ def plain_log(axes: Axes, which: str, ticks: Sequence[float] | None = None) -> N
         axis.set_major_locator(FixedLocator(list(ticks)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: brief(value, 2)))
     axis.set_minor_formatter(NullFormatter())
+
+
+def scaled(axes: Axes, which: str, values: Sequence[float]) -> None:
+    """Makes an axis of positive values logarithmic, or where they differ little, one from zero."""
+    if values and max(values) > _WIDE * min(values):
+        low, high = math.floor(math.log10(min(values))) - 1, math.ceil(math.log10(max(values)))
+        marks = (1,) if high - low > 3 else (1, 2, 5)
+        plain_log(axes, which, [mark * 10.0**power for power in range(low, high + 1) for mark in marks])
+    else:
+        axes.set(**{f"{which}lim": (0.0, 1.25 * max(values, default=1.0))})
 
 
 def binned(x: FloatArray, y: FloatArray, bins: int = 12) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -17,7 +17,7 @@ from harness.numerics import evenly_chosen, rms
 from harness.parallel import side_by_side
 from harness.progress import Progress, silent
 from harness.tuning.estimate.fit import fit
-from harness.tuning.estimate.runs import Model, Values
+from harness.tuning.estimate.runs import Model, Values, known_positions
 from harness.tuning.estimate.selection import Selection
 from harness.tuning.estimate.windows import Stretch, fitted_stretches, stretches_of
 
@@ -27,17 +27,35 @@ _FEWEST = 4  # blocks for an interval of a difference
 
 
 @dataclass(frozen=True)
+class Predicted:
+    """Positions predicted in one block: those of the first of its windows, over the 3 s after the known part.
+
+    Attributes:
+        recording: name of the recording.
+        time: of the m readings, each the mean of a cell, shape (m,) [s].
+        before, after: of the engine as it was and as it was tuned, shape (m,) [m]; NaN where it failed.
+    """
+
+    recording: str
+    time: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True)
 class HeldOutErrors:
     """RMS errors of blocks.
 
     Attributes:
         blocks: numbers of the blocks among those of the recordings, shape (n,).
         before, after: of the engine as it was and as it was tuned, shape (n,) [m].
+        predicted: positions, of each block that has any, in the order of the recordings and of time.
     """
 
     blocks: tuple[int, ...]
     before: FloatArray
     after: FloatArray
+    predicted: tuple[Predicted, ...] = ()
 
     @property
     def margin(self) -> Margin | None:
@@ -61,12 +79,27 @@ def held_out_errors(model: Model, selection: Selection, progress: Progress = sil
         model.jobs,
         lambda done: progress(f"held-out blocks: group {done} of {count}", share=done / count),
     )
-    before, after = (np.array([value for group in found for value in group[which]]) for which in (0, 1))
-    return HeldOutErrors(tuple(number for number, _ in chosen), before, after)
+    both = [each for group in found for each in group]
+    before, after = (np.array([one[which].error for one in both]) for which in (0, 1))
+    predicted = tuple(
+        Predicted(block.held_out[0].recording.name, old.time, old.position, new.position)
+        for (_, block), (old, new) in zip(chosen, both, strict=True)
+        if len(old.time)
+    )
+    return HeldOutErrors(tuple(number for number, _ in chosen), before, after, predicted)
 
 
-def _group(model: Model, selection: Selection, blocks: Sequence[Block]) -> tuple[list[float], list[float]]:
-    """RMS errors of these blocks before and after [m]."""
+@dataclass(frozen=True)
+class _OfBlock:
+    """RMS error over the windows of a block [m], and positions in the first of them, shape (m,) each [s, m]."""
+
+    error: float
+    time: FloatArray
+    position: FloatArray
+
+
+def _group(model: Model, selection: Selection, blocks: Sequence[Block]) -> list[tuple[_OfBlock, _OfBlock]]:
+    """Each of these blocks before and after."""
     problem = without(model.problem, blocks)
     rest = replace(model, problem=problem)
     found = selection.found
@@ -74,8 +107,9 @@ def _group(model: Model, selection: Selection, blocks: Sequence[Block]) -> tuple
     if selection.pays:
         windows = fitted_stretches(problem)
         values = fit(rest, windows, found.free, values, iterations=_NEAR).values if windows else values
-    before = _block_errors(model, blocks, selection.before.values)
-    return before, _block_errors(model, blocks, values) if selection.pays else before
+    before = _of_blocks(model, blocks, selection.before.values)
+    after = _of_blocks(model, blocks, values) if selection.pays else before
+    return list(zip(before, after, strict=True))
 
 
 def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
@@ -87,9 +121,9 @@ def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
     return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
 
 
-def _block_errors(model: Model, blocks: Sequence[Block], values: Values) -> list[float]:
-    """RMS error of each block [m], from starts fitted to the known part of each window."""
-    errors = []
+def _of_blocks(model: Model, blocks: Sequence[Block], values: Values) -> list[_OfBlock]:
+    """Error and positions of each block, from starts fitted to the known part of each window."""
+    made = []
     for block in blocks:
         windows = block.held_out
         spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in windows]
@@ -97,8 +131,13 @@ def _block_errors(model: Model, blocks: Sequence[Block], values: Values) -> list
         known = [one.part(one.time < one.time[0] + KNOWN) for one in stretches]
         starts = fit(model, known, [], {}, fixed=values, iterations=_NEAR).starts
         runs = model.runs(stretches, [(values, starts)])[0]
-        errors.append(rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)])))
-    return errors
+        error = rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)]))
+        # Up to where the next block begins: where windows have too few readings, the first one left may begin later.
+        end = windows[0].begin + KNOWN + AHEAD
+        first, run = stretches[0], runs[0]
+        shown = (first.time >= first.time[0] + KNOWN) & (first.time < end)
+        made.append(_OfBlock(error, first.time[shown], known_positions(run)[shown]))
+    return made
 
 
 def _ahead(window: Stretch, run: FloatArray) -> float:

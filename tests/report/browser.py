@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,6 +33,57 @@ def chromium() -> Iterator:
         yield one
     finally:
         one.quit()
+
+
+def opened(driver, page: Path):
+    """The driver with the page freshly opened at 1000 pixels, light."""
+    resize(driver, 1000)
+    driver.get(page.as_uri())
+    theme(driver, "light")
+    settle(driver)
+    return driver
+
+
+def complaints(driver) -> list[str]:
+    """What scripts complained of."""
+    return [entry["message"] for entry in driver.get_log("browser")]
+
+
+def button(driver, scope: str, label: str):
+    """A button by its label."""
+    return next(
+        one
+        for one in driver.find_elements("css selector", f"{scope} button")
+        if label in (one.get_attribute("aria-label"), one.text)
+    )
+
+
+def choose(driver, selection, value) -> None:
+    """Give a select or a slider a value."""
+    script = "arguments[0].value = arguments[1]; for (const one of ['input', 'change']) arguments[0].dispatchEvent("
+    driver.execute_script(f"{script}new Event(one));", selection, value)
+
+
+def foreign_requests(driver, page: Path) -> list[str]:
+    """Addresses outside the file that it asked for; at least the file itself was asked for."""
+    addresses = [
+        event["params"]["request"]["url"]
+        for entry in driver.get_log("performance")
+        if (event := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
+    ]
+    assert addresses
+    entries = driver.execute_script("return performance.getEntriesByType('resource').map((one) => one.name)")
+    return [one for one in addresses if not one.startswith((page.as_uri(), "data:"))] + entries
+
+
+@contextmanager
+def on_paper(driver) -> Iterator:
+    """The page as it is printed."""
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "screen"})
 
 
 def resize(driver, width: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import numpy as np
@@ -11,6 +10,7 @@ from selenium.webdriver import ActionChains, Keys
 
 from harness.api.outputs import trajectories
 from harness.report.comparison import render_comparison
+from harness.report.palette import label_of
 from tests.report import browser
 from tests.report.test_comparison import MANIFEST, result  # noqa: F401  (a fixture)
 
@@ -37,12 +37,8 @@ def chromium():
 @pytest.fixture
 def driver(chromium, page):
     """The report, freshly opened at 1000 pixels, light; no script may complain."""
-    browser.resize(chromium, 1000)
-    chromium.get(page.as_uri())
-    browser.theme(chromium, "light")
-    browser.settle(chromium)
-    yield chromium
-    assert [entry["message"] for entry in chromium.get_log("browser")] == []
+    yield browser.opened(chromium, page)
+    assert browser.complaints(chromium) == []
 
 
 @pytest.fixture
@@ -53,15 +49,6 @@ def clock(driver):
         return driver.execute_script(f"return report.clock('recording').{what}")
 
     return ask
-
-
-def button(driver, scope: str, label: str):
-    """A button by its label."""
-    return next(
-        one
-        for one in driver.find_elements("css selector", f"{scope} button")
-        if label in (one.get_attribute("aria-label"), one.text)
-    )
 
 
 FIRST = "#answer figure .live"
@@ -105,15 +92,15 @@ def test_the_beam_tilts_as_recorded(driver, result):  # noqa: F811
 def test_it_plays_pauses_and_steps(driver, clock):
     """Play with the button and the space key, step with buttons and arrows, jump to both ends."""
     replay = driver.find_element("css selector", ".replay")
-    button(driver, ".replay", "▶ Play").click()
+    browser.button(driver, ".replay", "▶ Play").click()
     begin = clock("now")
     browser.settle(driver)
-    button(driver, ".replay", "❚❚ Pause").click()
+    browser.button(driver, ".replay", "❚❚ Pause").click()
     assert clock("now") > begin
     held = clock("now")
-    button(driver, ".replay", "One step forward").click()
+    browser.button(driver, ".replay", "One step forward").click()
     assert clock("now") == pytest.approx(held + 0.02)
-    button(driver, ".replay", "One step back").click()
+    browser.button(driver, ".replay", "One step back").click()
     assert clock("now") == pytest.approx(held)
     driver.execute_script("arguments[0].focus()", replay)
     for key, expected in ((Keys.ARROW_RIGHT, held + 0.02), (Keys.END, clock("full")[1]), (Keys.HOME, clock("full")[0])):
@@ -130,7 +117,8 @@ def test_slider_plots_and_replay_are_linked(driver, clock):
     slider = driver.find_element("css selector", "input.time")
     driver.execute_script("arguments[0].value = 3; arguments[0].dispatchEvent(new Event('input'))", slider)
     heads = driver.execute_script(
-        "return [...report.charts.values()].flatMap((one) => one.plots.map((plot, at) => "
+        "return [...report.charts.values()].filter((one) => one.data.clock !== '').flatMap((one) => "
+        "one.plots.map((plot, at) => "
         "[plot.posToVal(new DOMMatrix(getComputedStyle(one.heads[at]).transform).e, 'x'), one.heads[at].hidden]))"
     )
     assert len(heads) >= 6
@@ -150,24 +138,25 @@ def test_zoom_is_common_to_all_plots(driver, clock):
     """Zoom and pan with buttons, keys, wheel and by dragging; all plots of time show the same span."""
     full = clock("full")
     width = full[1] - full[0]
-    button(driver, FIRST, "Zoom in").click()
+    browser.button(driver, FIRST, "Zoom in").click()
     assert np.diff(clock("shown"))[0] == pytest.approx(width / 2)
     shown = driver.execute_script(
-        "return [...report.charts.values()].flatMap((one) => one.plots.map((plot) => "
+        "return [...report.charts.values()].filter((one) => one.data.clock !== '')"
+        ".flatMap((one) => one.plots.map((plot) => "
         "[plot.scales.x.min, plot.scales.x.max]))"
     )
     for span in shown:
         assert span == pytest.approx(clock("shown"))
     before = clock("shown")
-    button(driver, FIRST, "Move right").click()
+    browser.button(driver, FIRST, "Move right").click()
     assert clock("shown")[0] == pytest.approx(before[0] + 0.25 * width / 2)
-    button(driver, FIRST, "Move left").click()
+    browser.button(driver, FIRST, "Move left").click()
     assert clock("shown") == pytest.approx(before)
-    button(driver, FIRST, "Zoom out").click()
+    browser.button(driver, FIRST, "Zoom out").click()
     assert clock("shown") == pytest.approx(full)
-    button(driver, FIRST, "Zoom in").send_keys("+")
+    browser.button(driver, FIRST, "Zoom in").send_keys("+")
     assert np.diff(clock("shown"))[0] == pytest.approx(width / 2)
-    button(driver, FIRST, "Show all").click()
+    browser.button(driver, FIRST, "Show all").click()
     assert clock("shown") == pytest.approx(full)
     over = driver.find_element("css selector", f"{FIRST} .u-over")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", over)
@@ -183,6 +172,27 @@ def test_zoom_is_common_to_all_plots(driver, clock):
         over,
     )
     assert np.diff(clock("shown"))[0] == pytest.approx(1.25 * 200 * pixel, abs=4 * pixel)
+
+
+def test_growth_of_errors_is_told_point_by_point(driver, result):  # noqa: F811
+    """Tell the RMS error of every source and horizon, with its standard error, as the scores have them."""
+    said = driver.find_element("css selector", "#horizons .picked")
+    after = browser.button(driver, "#horizons", "Next point")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", after)
+    told = {}
+    while True:
+        after.click()
+        source, _, rest = said.text.partition(", ")
+        horizon, value = re.match(r"(.*?)(?:, \d+ runs?)?: RMS error ([\d.]+) mm", rest).groups()
+        if (source, horizon) in told:
+            break
+        told[source, horizon] = float(value)
+    for source in ("cam", "pybullet"):
+        for horizon in result.setting.horizons:
+            expected = result.score_of(source, horizon).rms_error_mm
+            assert told[label_of(source), horizon.name] == pytest.approx(expected, rel=6e-4)  # four digits
+    names = {horizon.name for horizon in result.setting.horizons}
+    assert {horizon for source, horizon in told if source == "stationary ball"} == names
 
 
 def test_values_are_shown_on_hover(driver, result):  # noqa: F811
@@ -262,14 +272,7 @@ def test_it_is_accessible(driver, theme):
 def test_no_request_leaves_the_file(driver, page):
     """Load nothing but the file itself, and forbid anything else; stay below 5 MB."""
     assert page.stat().st_size < 5e6
-    addresses = [
-        event["params"]["request"]["url"]
-        for entry in driver.get_log("performance")
-        if (event := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
-    ]
-    assert addresses
-    assert all(address.startswith((page.as_uri(), "data:")) for address in addresses)
-    assert driver.execute_script("return performance.getEntriesByType('resource').map((one) => one.name)") == []
+    assert browser.foreign_requests(driver, page) == []
     assert "default-src 'none'" in page.read_text(encoding="utf-8")
 
 
@@ -283,13 +286,10 @@ def test_nothing_is_cut_off(driver):
 def test_paper_shows_the_still_pictures(driver):
     """Print the still pictures on light ground, and neither controls nor replay."""
     browser.theme(driver, "dark")
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
-    try:
+    with browser.on_paper(driver):
         live = driver.find_elements("css selector", ".live, .replay, #theme")
         assert not any(one.is_displayed() for one in live)
         stills = driver.find_elements("css selector", "main figure img")
         assert len(stills) >= 8
         assert all(one.is_displayed() for one in stills)
         assert driver.execute_script("return getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
-    finally:
-        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "screen"})

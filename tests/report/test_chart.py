@@ -1,5 +1,7 @@
 """Charts as data of the page: common abscissa, gaps, thinning."""
 
+import base64
+
 import numpy as np
 
 from harness.report.chart import MAX_ROWS, Chart, Panel, Trace, merged, thinned
@@ -48,3 +50,28 @@ def test_thinning_is_told():
         trace = Trace("a", LOOK, np.arange(samples), np.sin(np.arange(samples)))
         chart = Chart("a", [Panel("y", "m", [trace])])
         assert ("of 10000 samples" in chart.thinning_note) is told
+
+
+def test_points_keep_what_they_are():
+    """Sort points by their abscissa with their notes and bars; tell the order in which a line joins them."""
+    trace = Trace("a", LOOK, [3.0, 1.0, 2.0], [30.0, 10.0, 20.0], notes=["c", "a", "b"], spread=[0.3, np.nan, 0.2])
+    chart = Chart("a", [Panel("y", "m", [trace, Trace("b", LOOK, [0.5, 2.5], [5.0, 25.0])])])
+    data = chart.data()
+    (first, _) = data["panels"][0]["series"]
+    assert [data["notes"][at] for at in first["notes"]] == ["a", "b", "c"]
+    assert first["order"] == [2, 0, 1]  # the line begins at the third point from the left
+    for name, expected in (
+        ("values", [-np.inf, 10, 20, -np.inf, 30]),
+        ("spread", [-np.inf, np.nan, 0.2, -np.inf, 0.3]),
+    ):
+        packed = np.frombuffer(base64.b64decode(first[name]), "<f4")
+        np.testing.assert_array_equal(packed, np.array(expected, "<f4"))
+
+
+def test_points_are_not_thinned():
+    """Keep every point of a chart of points, however many."""
+    rows = MAX_ROWS + 1
+    trace = Trace("a", LOOK, np.arange(rows), np.arange(rows), notes=["same"] * rows)
+    chart = Chart("a", [Panel("y", "m", [trace])])
+    assert chart.data()["rows"] == rows
+    assert chart.thinning_note == ""

@@ -14,7 +14,9 @@
       for (const one of panel.series) {
         one.y = report.column(one.values);
         one.lower = one.low === null ? null : report.column(one.low);
-        if (panel.log) one.y = one.y.map((value) => (value === null || value > 0 ? value : null));
+        if (panel.log) one.y = one.y.map((value) => (value <= 0 && value !== null ? null : value)); // undefined stays so
+        if (one.spread !== null) one.spread = report.column(one.spread);
+        if (one.notes.length > 0) report.points.prepare(one, data.notes);
         delete one.values;
         delete one.low;
       }
@@ -58,10 +60,13 @@
         add(one.y, none);
         add(one.lower, none);
         bands.push({ series: [one.at[0], one.at[1]], fill: () => report.theme.variable("--band") });
-      } else if (one.dots) {
-        const colour = () => report.theme.colour(one.colour);
+      } else if (one.dots || one.rows !== undefined) {
+        // Of many points, those behind shine through.
+        const faded = (colour) => (one.dots && one.rows?.length > 20 ? `color-mix(in srgb, ${colour} 55%, transparent)` : colour);
+        const colour = () => faded(report.theme.colour(one.colour));
         add(one.y, {
-          paths: () => null, stroke: colour, points: { show: true, size: one.width + 2.5, fill: colour, width: 0 },
+          paths: one.dots ? () => null : (plot) => report.points.joined(plot, x, one), stroke: colour, width: one.width,
+          dash: dashed(one), points: { show: true, size: one.width + (one.dots ? 2.5 : 5), fill: colour, width: 0 },
         });
       } else {
         add(one.y, {
@@ -80,13 +85,6 @@
   }
 
   const named = (label, unit) => (unit === "" ? label : `${label} [${unit}]`);
-  const split = (log) => (_, values) =>
-    values.map((value) => {
-      if (value === null) return null;
-      if (log && !/^1(e|$)|^0?\.?0*1$/.test(String(Number(value.toPrecision(2))))) return "";
-      return report.text(value, "", 6);
-    });
-
   function zeroLine(plot) {
     const y = Math.round(plot.valToPos(0, "y", true));
     const { left, top, width, height } = plot.bbox;
@@ -123,9 +121,13 @@
       this.data = data;
       this.x = read(data);
       this.clock = report.clock(data.clock === "" ? `of ${data.id}` : data.clock);
-      this.clock.cover(this.x[0], this.x[this.x.length - 1]);
+      this.clock.log = data.log;
+      this.clock.cover(...this.covered());
+      this.points = report.points.all(data.panels).length > 0;
+      this.picked = null;
       this.plots = [];
       this.heads = [];
+      this.rings = [];
       this.hovered = null;
       this.place = make("div", { class: "live", role: "group", "aria-label": figure.querySelector("img").alt });
       figure.prepend(this.place);
@@ -133,11 +135,23 @@
       this.place.addEventListener("keydown", (event) => this.key(event));
     }
 
+    // With room beside the first and the last point, which would be cut by the frame.
+    covered() {
+      const ends = [this.x[0], this.x[this.x.length - 1]];
+      if (this.data.panels.every((panel) => panel.series.every((one) => one.rows === undefined))) return ends;
+      const [begin, end] = ends.map((one) => this.clock.place(one));
+      const room = 0.05 * (end - begin) || (this.clock.log ? 0.2 : Math.abs(begin) * 0.1 || 1);
+      return [this.clock.at(begin - room), this.clock.at(end + room)];
+    }
+
     controls() {
       const button = (text, label, act) =>
         make("button", { type: "button", "aria-label": label, title: label, click: act }, text);
       const { clock } = this;
       this.readout = make("span", { class: "at" });
+      this.said = make("p", { class: "picked", role: "status" });
+      const points = this.points
+        ? [button("‹", "Previous point", () => this.step(-1)), button("›", "Next point", () => this.step(1))] : [];
       return make(
         "div", { class: "controls" },
         button("+", "Zoom in", () => clock.zoom(0.5)),
@@ -145,7 +159,7 @@
         button("◀", "Move left", () => clock.pan(-0.25)),
         button("▶", "Move right", () => clock.pan(0.25)),
         button("All", "Show all", () => clock.all()),
-        this.readout,
+        ...points, this.readout,
       );
     }
 
@@ -202,10 +216,12 @@
           },
           axes: [
             axis(last ? named(data.label, data.unit) : null, {
-              size: last ? 36 : 22, labelSize: last ? 20 : 0, values: split(data.log),
-              ...(last ? {} : { values: () => [] }),
+              size: last ? 36 : 22, labelSize: last ? 20 : 0, values: last ? report.axes.texts : () => [],
+              ...(data.log ? report.axes.log : {}),
             }),
-            axis(named(panel.label, panel.unit), { size: AXIS, labelSize: 18, values: split(panel.log) }),
+            axis(named(panel.label, panel.unit), {
+              size: AXIS, labelSize: 18, values: report.axes.texts, ...(panel.log ? report.axes.log : {}),
+            }),
           ],
           cursor: {
             sync: { key: this.data.clock === "" ? this.data.id : this.data.clock, setSeries: false },
@@ -217,16 +233,24 @@
             setCursor: [(plot) => this.hover(plot)],
             setSelect: [(plot) => this.selected(plot)],
             drawClear: [(plot) => drawMarks(plot, data.marks)],
-            draw: panel.zero ? [zeroLine] : [],
+            draw: [
+              ...(panel.zero ? [zeroLine] : []),
+              (drawn) => this.bars(drawn, panel),
+              () => this.ring(),
+            ],
           },
         };
         const plot = new uPlot(options, columns, holder);
         const head = make("div", { class: "playhead", hidden: true });
-        plot.over.append(head);
+        const ring = make("div", { class: "ring", hidden: true });
+        plot.over.append(head, ring);
         this.pointer(plot);
         this.plots.push(plot);
         this.heads.push(head);
+        this.rings.push(ring);
       });
+      if (this.points) this.place.append(this.said);
+      this.pick(null);
       this.clock.follow({ span: () => this.rescale(), now: (time) => this.moved(time) });
       new ResizeObserver(() => this.resize()).observe(this.place);
       this.values(this.clock.now ?? this.clock.full[0]);
@@ -254,8 +278,7 @@
       over.addEventListener("mousemove", (event) => {
         if (from === null || !from[3] || event.buttons === 0) return;
         const [x, begin, end] = from;
-        const by = ((x - event.clientX) / over.clientWidth) * (end - begin);
-        this.clock.show(begin + by, end + by);
+        this.clock.pan((x - event.clientX) / over.clientWidth, [begin, end]);
       });
       over.addEventListener("click", (event) => {
         const still = from === null || Math.abs(event.clientX - from[0]) < CLICK;
@@ -292,6 +315,45 @@
       const left = plot.cursor.left;
       this.hovered = left === undefined || left < 0 ? null : plot.posToVal(left, "x");
       this.values(this.hovered ?? this.clock.now ?? this.clock.full[0]);
+      if (!this.points || this.hovered === null) return;
+      const number = this.plots.indexOf(plot);
+      const found = report.points.nearest(plot, this.x, this.data.panels[number], left, plot.cursor.top);
+      this.pick(found === null ? null : { ...found, panel: number });
+    }
+
+    // What the chosen point is, in words and by a ring.
+    pick(point) {
+      this.picked = point;
+      this.said.textContent = point === null
+        ? "No point is chosen." : report.points.text(this.data, this.x, this.data.panels[point.panel], point);
+      this.ring();
+    }
+
+    ring() {
+      this.rings.forEach((ring, number) => {
+        const plot = this.plots[number];
+        const here = this.picked !== null && this.picked.panel === number && !report.sources.off.has(this.picked.one.key);
+        ring.hidden = !here;
+        if (!here) return;
+        const { one, row } = this.picked;
+        const [left, top] = [plot.valToPos(this.x[row], "x"), plot.valToPos(one.y[row], "y")];
+        ring.hidden = !report.points.inside(plot, left, top);
+        ring.style.transform = `translate(${left}px, ${top}px)`;
+      });
+    }
+
+    step(by) {
+      const every = report.points.all(this.data.panels);
+      if (every.length === 0) return;
+      const { one, row, panel } = this.picked ?? {};
+      const at = every.findIndex((each) => each.one === one && each.row === row && each.panel === panel);
+      this.pick(every[at < 0 ? (by > 0 ? 0 : every.length - 1) : (at + by + every.length) % every.length]);
+    }
+
+    bars(plot, panel) {
+      for (const one of panel.series)
+        if (one.rows !== undefined && one.spread !== null && !report.sources.off.has(one.key))
+          report.points.bars(plot, this.x, one, panel.log);
     }
 
     moved(time) {
@@ -305,10 +367,11 @@
     }
 
     values(at) {
-      this.readout.textContent = `${this.data.label} ${report.text(at, this.data.unit)}`;
+      const idle = this.points && this.hovered === null; // points have no instant
+      this.readout.textContent = idle ? "" : `${this.data.label} ${report.text(at, this.data.unit)}`;
       for (const entry of this.entries)
-        entry.value.textContent = entry.each
-          .filter(({ one }) => !one.dots)
+        entry.value.textContent = idle ? "" : entry.each
+          .filter(({ one }) => !one.dots && one.rows === undefined)
           .map(({ one, panel }) => {
             const value = report.valueAt(this.x, one.y, at);
             if (one.lower === null) return report.text(value, panel.unit);
@@ -324,6 +387,7 @@
           if (one.key === key) for (const at of one.at) this.plots[number].setSeries(at, { show: on });
       });
       for (const entry of this.entries) if (entry.key === key) entry.box.checked = on;
+      if (!on && this.picked !== null && this.picked.one.key === key) this.pick(null);
     }
 
     resize() {

@@ -9,6 +9,7 @@
       this.full = [Infinity, -Infinity];
       this.span = null; // shown; null for all
       this.now = null; // null before anything was chosen
+      this.log = false; // whether equal ratios have equal lengths: of an abscissa that is no time
       this.followers = [];
     }
 
@@ -24,25 +25,38 @@
       return this.span ?? this.full;
     }
 
+    // Where it is along the axis, and back.
+    place(value) {
+      return this.log ? Math.log10(value) : value;
+    }
+
+    at(place) {
+      return this.log ? 10 ** place : place;
+    }
+
     show(begin, end) {
-      const [first, last] = this.full;
-      const width = Math.min(end - begin, last - first);
-      const from = Math.max(first, Math.min(begin, last - width));
-      this.span = width >= (last - first) * (1 - 1e-9) ? null : [from, from + width];
+      const [first, last] = this.full.map((one) => this.place(one));
+      const wanted = this.place(Math.max(begin, this.log ? this.full[0] * 1e-9 : -Infinity));
+      const width = Math.min(this.place(end) - wanted, last - first);
+      const from = Math.max(first, Math.min(wanted, last - width));
+      this.span = width >= (last - first) * (1 - 1e-9) ? null : [this.at(from), this.at(from + width)];
       for (const each of this.followers) each.span?.(this.shown);
     }
 
     zoom(factor, at = null) {
-      const [begin, end] = this.shown;
-      const centre = at ?? (this.now !== null && this.now >= begin && this.now <= end ? this.now : (begin + end) / 2);
-      if ((end - begin) * factor < (this.full[1] - this.full[0]) * 1e-4) return;
-      this.show(centre - (centre - begin) * factor, centre + (end - centre) * factor);
+      const [begin, end] = this.shown.map((one) => this.place(one));
+      const [first, last] = this.full.map((one) => this.place(one));
+      const chosen = at ?? (this.now !== null && this.now >= this.shown[0] && this.now <= this.shown[1] ? this.now : null);
+      const centre = chosen === null ? (begin + end) / 2 : this.place(chosen);
+      if ((end - begin) * factor < (last - first) * 1e-4) return;
+      this.show(this.at(centre - (centre - begin) * factor), this.at(centre + (end - centre) * factor));
     }
 
-    pan(share) {
-      const [begin, end] = this.shown;
+    // By a share of what is shown, from there or from a span given.
+    pan(share, span = this.shown) {
+      const [begin, end] = span.map((one) => this.place(one));
       const by = share * (end - begin);
-      this.show(begin + by, end + by);
+      this.show(this.at(begin + by), this.at(end + by));
     }
 
     all() {

@@ -42,13 +42,17 @@ const report = {};
     return y[before] + share * (y[after] - y[before]);
   };
 
+  const RAISED = { ...Object.fromEntries([..."⁰¹²³⁴⁵⁶⁷⁸⁹"].map((raised, digit) => [digit, raised])), "-": "⁻" };
+
   // A number with `digits` significant ones, a true minus, and its unit.
   report.text = (value, unit, digits = 4) => {
     if (value === null || value === undefined || !Number.isFinite(value)) return "—";
     const size = Math.abs(value);
     const plain = size === 0 || (size >= 1e-3 && size < 1e6);
-    const shown = plain ? String(Number(value.toPrecision(digits))) : String(Number(value.toPrecision(digits)).toExponential());
-    return shown.replaceAll("-", "−") + (unit === "1" || unit === "" ? "" : " " + unit);
+    const rounded = Number(value.toPrecision(digits));
+    const [front, power] = plain ? [String(rounded), ""] : rounded.toExponential().split("e");
+    const tens = power === "" ? "" : "·10" + [...power.replace("+", "")].map((sign) => RAISED[sign]).join("");
+    return (front + tens).replaceAll("-", "−") + (unit === "1" || unit === "" ? "" : " " + unit);
   };
 
   // `u_val` with its index set low.

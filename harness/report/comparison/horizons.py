@@ -9,6 +9,7 @@ from matplotlib.patches import Patch
 from harness.comparison.horizons import Horizon
 from harness.formatting import number, plus_minus
 from harness.report.answer import still_error
+from harness.report.chart import Chart, Panel, Trace
 from harness.report.comparison.overlay import overlay
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
@@ -16,6 +17,7 @@ from harness.report.palette import INK, UNCERTAINTY_COLOUR, Look, look_of, swatc
 from harness.report.plots import Picture, band, drawing, line, picture, plain_log, sample, style
 from harness.report.tables import Column, Row, Table, texts
 
+FLOOR = Look("u_val: a perfect model", UNCERTAINTY_COLOUR)
 STATIONARY = Look("stationary ball", INK, (1.0, 2.0), 1.1, 2)
 
 
@@ -48,6 +50,8 @@ def _growth(subject: Subject) -> Picture:
     plain_log(axes, "y")
     largest = float(max(still.max(), floors.max()))
     entries: list[Artist] = []
+    traces: list[Trace] = []
+    names = [one.name for one in horizons]
     for standing in subject.ranked:
         look = look_of(standing.source)
         scores = [study.score_of(standing.source, one) for one in horizons]
@@ -62,11 +66,19 @@ def _growth(subject: Subject) -> Picture:
         if look.dash:
             drawn.lines[0].set_dashes(look.dash)
         entries.append(sample(look))
+        notes = [f"{one.name}, {len(one.first)} run{'s' if len(one.first) > 1 else ''}" for one in horizons]
+        traces.append(Trace(standing.source, look, seconds, rms, notes=notes, spread=np.where(std > 0.0, std, np.nan)))
     bottom = 0.5 * min(floors)
     band(axes, seconds, np.full_like(floors, bottom), floors)
     line(axes, seconds, still, STATIONARY)
     entries.append(sample(STATIONARY))
     entries.append(Patch(color=UNCERTAINTY_COLOUR, alpha=0.35, label=r"$u_\mathrm{val}$: a perfect model"))
+    traces = [
+        Trace("uncertainty", FLOOR, seconds, floors, low=np.full_like(floors, bottom)),
+        *traces,
+        Trace("stationary", STATIONARY, seconds, still, notes=names),
+    ]
+    panel = Panel("RMS error", "mm", traces, frame=(bottom, 2.0 * largest), log=True)
     axes.set_ylim(bottom, 2.0 * largest)
     axes.set_xlabel("length of the runs [s]; the last is the whole recording")
     axes.set_ylabel("RMS error [mm]")
@@ -77,6 +89,7 @@ def _growth(subject: Subject) -> Picture:
         f"{number(seconds[-1])} s, with u_val and the error of a stationary ball.",
         "RMS error against the length of the runs (bars: standard error over windows). A source below the dotted "
         "line predicts better than a stationary ball; the error of one within the grey area is explained by u_val.",
+        Chart("growth", [panel], "length of the runs", "s", log_x=True),
     )
 
 

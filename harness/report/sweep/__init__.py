@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
 
 from harness.failures import Failures
 from harness.formatting import length
 from harness.report.page import Badge, Section, bodies_of, render_page
 from harness.report.palette import label_of
-from harness.report.sweep import best, failures, indices, inputs, work_precision
+from harness.report.sweep import best, failures, indices, inputs, runs, work_precision
 from harness.report.sweep.subject import Subject
 from harness.report.tables import Summary, Table
+from harness.sweeps.drawn_runs import drawn_runs
 from harness.sweeps.plan import Plan
 from harness.sweeps.results import Results
 
@@ -22,22 +24,26 @@ SECTIONS: Mapping[str, Callable[[Subject], Section | None]] = {
     "best_fit": best.section,
     "indices": indices.section,
     "work_precision": work_precision.section,
+    "runs": runs.section,
     "failures": failures.section,
     "inputs": inputs.section,
 }
 """In the order of the page; a section that does not apply returns `None`."""
 
 
-def render_sweep(plan: Plan, results: Results, *, command: str = "", failures: Failures | None = None) -> str:
+def render_sweep(
+    plan: Plan, results: Results, rows: Path, *, command: str = "", failures: Failures | None = None
+) -> str:
     """The report as HTML text.
 
     Args:
         plan: of the sweep.
         results: of its rows.
+        rows: their file, `runs.parquet`.
         command: that repeats it.
         failures: collects sections that raise, which then say so; `None` lets them raise.
     """
-    subject = Subject(plan, results, command)
+    subject = Subject(plan, results, command, *drawn_runs(plan, results, rows))
     bodies = bodies_of({name: partial(section, subject) for name, section in SECTIONS.items()}, failures)
     return render_page(
         f"Sweep: {plan.spec.path.stem}",

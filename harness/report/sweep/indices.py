@@ -79,7 +79,7 @@ def _title(subject: Subject, one: Indices) -> str:
 
 @style()
 def _picture(subject: Subject, one: Indices) -> Picture:
-    figure = drawing(0.9 + 0.42 * len(one.factors))
+    figure = drawing(1.0 + 0.42 * len(one.factors))
     axes = figure.subplots()
     places = np.arange(len(one.factors), dtype=float)[::-1]
     look = look_of(one.source)
@@ -91,7 +91,7 @@ def _picture(subject: Subject, one: Indices) -> Picture:
     axes.set_yticks(places, [each.factor for each in one.factors])
     axes.axvline(0.0, color=INK, linewidth=0.8)
     axes.set_xlabel("share of the variance")
-    axes.legend(loc="best")
+    figure.legend(loc="outside upper right", ncols=2)
     return picture(
         figure, f"Sobol' indices of {len(one.factors)} factors", f"{_title(subject, one)}. Lines: 95 % intervals."
     )

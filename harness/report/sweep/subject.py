@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.formatting import brief
+from harness.sweeps.drawn_runs import DrawnRun
 from harness.sweeps.plan import Plan
 from harness.sweeps.results import Results
 
@@ -18,11 +19,15 @@ class Subject:
         plan: every run.
         results: of the rows.
         command: that repeats it; may be empty.
+        runs: that are drawn one by one.
+        good: number of runs that did not fail, of which these are some or all.
     """
 
     plan: Plan
     results: Results
     command: str
+    runs: tuple[DrawnRun, ...] = ()
+    good: int = 0
 
     @property
     def measured(self) -> str:

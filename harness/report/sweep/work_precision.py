@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from dataclasses import replace
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.formatting import brief, length, number
+from harness.report.chart import Chart, Panel, Trace
 from harness.report.page import Section
 from harness.report.palette import label_of, look_of, swatch
-from harness.report.plots import Picture, drawing, picture, plain_log, style
+from harness.report.plots import Picture, drawing, picture, scaled, style
+from harness.report.sweep.runs import OUTPUTS, by_source, cloud, positive
 from harness.report.sweep.subject import Subject
 from harness.report.tables import Column, Table, texts
 from harness.sweeps.factors import CAM_SOURCE
 from harness.sweeps.results import Results, WorkPrecision
 
-_WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
+_ATTRIBUTES = ("error_cam", "error_measured")
+_MARK = 3.0  # width of the medians' look [px]
 
 
 def section(subject: Subject) -> Section | None:
@@ -89,10 +91,7 @@ def drawn(results: Results) -> Figure:
     """Error against CAM and against the measurement, over the time of a run per second of motion."""
     figure = drawing(3.6)
     left, right = figure.subplots(1, 2)
-    for axes, attribute, name in (
-        (left, "error_cam", "largest difference from CAM [m]"),
-        (right, "error_measured", "RMS error against the recording [m]"),
-    ):
+    for axes, attribute in zip((left, right), _ATTRIBUTES, strict=True):
         for source, points in _points(results, attribute).items():
             look = look_of(source)
             x, y = [one.seconds for one in points], [getattr(one, attribute) for one in points]
@@ -100,24 +99,39 @@ def drawn(results: Results) -> Figure:
             for one, at, value in zip(points, x, y, strict=True):
                 if one.time_step is not None:
                     axes.annotate(brief(one.time_step), (at, value), (4, 4), textcoords="offset points", fontsize=7)
-        axes.set(xlabel="processor time per second of motion [s]", ylabel=name)
+        axes.set(xlabel="processor time per second of motion [s]", ylabel=f"{OUTPUTS[attribute][1]} [m]")
         axes.margins(0.12)
         values = [getattr(one, attribute) for points in _points(results, attribute).values() for one in points]
-        _scaled(axes, "x", [one.seconds for one in results.work_precision if one.seconds > 0.0])
-        _scaled(axes, "y", values)
+        scaled(axes, "x", [one.seconds for one in results.work_precision if one.seconds > 0.0])
+        scaled(axes, "y", values)
         if axes.has_data():
             axes.legend(loc="best")
     return figure
 
 
-def _scaled(axes: Axes, which: str, values: Sequence[float]) -> None:
-    """A logarithmic axis; where the values differ little, one from zero."""
-    if values and max(values) > _WIDE * min(values):
-        low, high = math.floor(math.log10(min(values))) - 1, math.ceil(math.log10(max(values)))
-        marks = (1,) if high - low > 3 else (1, 2, 5)
-        plain_log(axes, which, [mark * 10.0**power for power in range(low, high + 1) for mark in marks])
-    else:
-        axes.set(**{f"{which}lim": (0.0, 1.25 * max(values, default=1.0))})
+def chart(subject: Subject) -> Chart:
+    """The same as data of the page, with every run beside the medians."""
+    panels = []
+    for attribute in _ATTRIBUTES:
+        label, title = OUTPUTS[attribute]
+        traces = []
+        for source, runs in by_source(positive(subject.runs, attribute)).items():
+            one = cloud(subject, source, runs, [run.seconds for run in runs], attribute)
+            traces.append(replace(one, key=f"{source} runs", look=replace(one.look, label=f"{label_of(source)}, runs")))
+        for source, points in _points(subject.results, attribute).items():
+            notes = [_note(one) for one in points]
+            look = replace(look_of(source), dash=None, width=_MARK, label=f"{label_of(source)}, medians")
+            values = [getattr(one, attribute) for one in points]
+            traces.append(Trace(source, look, [one.seconds for one in points], values, notes=notes))
+        if traces:
+            panels.append(Panel(label, "m", traces, log=True, title=title))
+    return Chart("work-precision-chart", panels, "processor time per second of motion", "s", log_x=True)
+
+
+def _note(one: WorkPrecision) -> str:
+    step = "" if one.time_step is None else f"time step {brief(one.time_step)} s, "
+    good = one.runs - one.failed
+    return f"{step}{'one run' if good == 1 else f'median of {good} runs'}"
 
 
 def _picture(subject: Subject) -> Picture:
@@ -125,5 +139,7 @@ def _picture(subject: Subject) -> Picture:
         return picture(
             drawn(subject.results),
             "Error over time, one line an engine, one point a step size",
-            "Medians of all runs with a step size, which is beside each point [s].",
+            "Medians of all runs with a step size.",
+            chart(subject),
+            "The step size [s] is beside each point.",
         )

@@ -5,11 +5,12 @@ from functools import partial
 
 from harness.failures import Failures
 from harness.report.page import Badge, Section, bodies_of, render_page
-from harness.report.tuning import sections
-from harness.report.tuning.sections import Subject
+from harness.report.tuning import replay, sections
+from harness.report.tuning.subject import Subject
 
 SECTIONS: Mapping[str, Callable[[Subject], Section | None]] = {
     "answer": sections.answer,
+    "replay": replay.section,
     "errors": sections.errors,
     "identifiability": sections.identifiability,
     "screening": sections.screening,

@@ -10,53 +10,29 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from harness.formatting import NONE, length, number
+from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.numerics import rms
-from harness.recording import Case
 from harness.report.page import Section
-from harness.report.palette import MEASURED_COLOUR, Look, label_of, look_of
-from harness.report.plots import Picture, dots, drawing, line, picture, sample, style, zero
+from harness.report.plots import Picture
 from harness.report.tables import Row, Table, texts
+from harness.report.tuning import trajectories
+from harness.report.tuning.subject import Subject
+from harness.report.tuning.trajectories import free_runs, held_out
 from harness.report.tuning.words import sentences
-from harness.tuning.cam import CamErrors
 from harness.tuning.estimate.free import LEVEL
 from harness.tuning.estimate.selection import KEEP, SEEN
 from harness.tuning.tune import Tuned
 
 TEMPLATE = "tuning/section.html"
-_DRAWN = 3  # windows that are drawn
-
-
-@dataclass(frozen=True)
-class Subject:
-    """A tuning with the data of its report.
-
-    Attributes:
-        tuned: the result.
-        cam: CAM on the same blocks; `None` if it is not known.
-        case: the input.
-        settings: text of the settings file; empty if nothing was tuned.
-        command: that repeats the tuning; empty if it is not known.
-    """
-
-    tuned: Tuned
-    cam: CamErrors | None
-    case: Case
-    settings: str = ""
-    command: str = ""
-
-    @property
-    def engine(self) -> str:
-        """The engine's displayed name."""
-        return label_of(self.tuned.model.engine.name)
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a section shows, in this order: sentences, a picture, tables, a list, preformatted texts, notes."""
+    """What a section shows, in this order: sentences, texts, a list, pictures, tables, preformatted texts, notes."""
 
     answer: tuple[str, ...] = ()
     texts: tuple[str | Markup, ...] = ()
-    picture: Picture | None = None
+    pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     items: tuple[str, ...] = ()
     code: tuple[str, ...] = ()
@@ -66,7 +42,7 @@ class Content:
 def answer(subject: Subject) -> Section:
     """The answer, the tuned values, and free runs before and after."""
     told = sentences(subject.tuned, subject.cam, str(subject.case.path))
-    content = Content(answer=told, picture=_picture(subject), tables=(values_table(subject.tuned),))
+    content = Content(answer=told, pictures=(_free_runs(subject),), tables=(values_table(subject.tuned),))
     return Section("answer", "Answer", "Answer", TEMPLATE, {"content": content})
 
 
@@ -87,41 +63,34 @@ def values_table(tuned: Tuned) -> Table:
     return Table("Fitted parameters", columns, rows)
 
 
-@style()
 def drawn(subject: Subject) -> Figure:
-    """Free runs over the first windows before and after, against the readings."""
-    tuned = subject.tuned
-    windows, before, after = tuned.windows, tuned.selection.before, tuned.selection.found
-    runs = tuned.model.runs(windows, [(before.values, before.starts), (after.values, after.starts)])
-    own = look_of(tuned.model.engine.name)
-    looks = (Look("before", "#8a8f98", (5.0, 2.0), 1.4, 4), Look("tuned", own.colour, None, 1.6, 5))
-    shown = range(min(_DRAWN, len(windows)))
-    figure = drawing(4.2)
-    rows = figure.subplots(2, len(shown), sharex="col", squeeze=False)
-    for at in shown:
-        one, upper, lower = windows[at], rows[0, at], rows[1, at]
-        dots(upper, one.time, one.reading, Look("", MEASURED_COLOUR))
-        for look, run in zip(looks, runs, strict=True):
-            line(upper, one.time, run[at], look)
-            line(lower, one.time, 1e3 * (run[at] - one.reading), look)
-        zero(lower)
-        upper.set_title(one.recording.name)
-        lower.set_xlabel("t in s")
-    rows[0, 0].set_ylabel("s in m")
-    rows[1, 0].set_ylabel("run − reading in mm")
-    rows[0, 0].legend(handles=[sample(look) for look in looks])
-    return figure
+    """Free runs over the windows of the first recording before and after, against the readings."""
+    return trajectories.drawn(subject, free_runs(subject))
 
 
-@style()
-def _picture(subject: Subject) -> Picture:
-    figure = drawn(subject)
-    what = "simulated readings" if subject.case.simulated else "readings"
+def _free_runs(subject: Subject) -> Picture:
+    shown = free_runs(subject)
     caption = (
-        f"Free runs of {subject.engine} over windows, from starts fitted to each, against {what} (dots): before, with "
-        "the level angle as given, and with the fitted parameters."
+        f"{shown.recording.name}: free runs of {subject.engine} over the windows that it was fitted to, each from a "
+        f"start fitted to it, against the {subject.measured} positions: before, with the level angle as given, and "
+        "with the fitted parameters. Errors on readings that were held out are below."
     )
-    return picture(figure, f"Free runs of {subject.engine} before and after tuning", caption)
+    return trajectories.picture(subject, shown, f"Free runs of {subject.engine} before and after tuning", caption)
+
+
+def _predictions(subject: Subject) -> tuple[Picture, ...]:
+    """Predictions of held-out blocks, one picture a recording."""
+    ahead = f"{AHEAD:g} s predicted from the angle and the positions of the {KNOWN:g} s before"
+    return tuple(
+        trajectories.picture(
+            subject,
+            one,
+            f"Held-out blocks of {one.recording.name}, predicted before and after tuning",
+            f"{one.recording.name}: held-out blocks, {ahead}, with parameters fitted without the readings of the "
+            "block; of the windows of a block, the first is drawn.",
+        )
+        for one in held_out(subject)
+    )
 
 
 def errors(subject: Subject) -> Section | None:
@@ -157,7 +126,7 @@ def errors(subject: Subject) -> Section | None:
         "the next 3 s are predicted from the angle. Parameters are fitted anew without the readings to be predicted. "
         "The engine's starts are fitted to the known part; CAM's come from its filter."
     )
-    content = Content(texts=sure, tables=(table,), notes=(note,))
+    content = Content(texts=sure, pictures=_predictions(subject), tables=(table,), notes=(note,))
     return Section("errors", "Errors on held-out readings", "Errors", TEMPLATE, {"content": content})
 
 

@@ -29,6 +29,11 @@ _WORTH = 4.0  # simulated seconds from which another process is worth its start
 Values = Mapping[str, float]
 
 
+def known_positions(run: FloatArray) -> FloatArray:
+    """Positions of a run, shape (m,) [m], with NaN where it failed or left any beam."""
+    return np.where(np.abs(run) < LOST, run, np.nan)
+
+
 @dataclass(frozen=True)
 class Model:
     """An engine with what stays as it is, and what may be tuned.
