@@ -58,6 +58,8 @@ class Drive(QuinticMotion):
         sensor: how the angle was measured.
         residual_ratio: RMS of (reading − α) over the sensor's standard deviation [1]; about 0.9 for a rounded, 1 for a
             noisy angle, far from that for a wrongly declared sensor.
+        repeats: how often in all recordings the beam rests on the count on which it rests at each stamp, shape (n,)
+            [1]; `None` where that is not known, or never more than once.
     """
 
     std: FloatArray
@@ -65,11 +67,18 @@ class Drive(QuinticMotion):
     residual_ratio: float
     _smoothed: Smoothed
     _variance: FloatArray
+    repeats: FloatArray | None = None
 
     @cached_property
     def error(self) -> ErrorProcess:
         """The error of `states` as a Gauss–Markov process."""
         return error_process(self._smoothed, self._variance)
+
+    @cached_property
+    def shared_error(self) -> ErrorProcess:
+        """`error` where one estimate is made of all rests: m on one count, which share their rounding, have m-fold
+        variances (`harness.signals.rests`)."""
+        return self.error if self.repeats is None else self.error.inflated(self.repeats)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

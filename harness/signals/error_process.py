@@ -47,6 +47,11 @@ class ErrorProcess(NamedTuple):
         """That of `gain` times the signal."""
         return ErrorProcess(gain * gain * self.covariance, self.transition, abs(gain) * self.root)
 
+    def inflated(self, factor: FloatArray) -> ErrorProcess:
+        """That of an error whose variance is `factor`, shape (n,), times as large at each stamp [1]."""
+        root = np.sqrt(factor)[:, None, None]
+        return ErrorProcess(root**2 * self.covariance, root[1:] / root[:-1] * self.transition, root[1:] * self.root)
+
     def between(self, first: int, last: int) -> ErrorProcess:
         """That of the stamps `first` … `last` − 1 alone."""
         return ErrorProcess(*(part[first:end] for part, end in zip(self, (last, last - 1, last - 1), strict=True)))

@@ -1,4 +1,4 @@
-"""The covariance that intervals are made of: by finite differences, and with rounding that repeated rests share.
+"""Finite-difference covariance for laws that are not smooth.
 
 For backlash or slip the innovations jump as a parameter changes, and their derivatives do not describe the deviance at
 a finite distance: the standard error of a backlash width came out seventeen times too small. Differences over the
@@ -14,7 +14,6 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import information_inverse
-from harness.identify.estimate.shared_rounding import shared_rounding
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.problem import Problem
 
@@ -25,15 +24,13 @@ _LONGEST = 1.0  # longest step, in scaled parameters
 def with_interval_covariance(problem: Problem, found: Fit) -> Fit:
     """The same fit, its covariance by differences over ± one standard deviation of each parameter.
 
-    It is the standard deviation with the other parameters held fixed, since the parameter is moved alone. What an
-    encoder's rounding adds where the beam rests on the same counts again (`shared_rounding`) is part of it. A fit to
-    free runs keeps its own.
+    It is the standard deviation with the other parameters held fixed, since the parameter is moved alone. A fit to free
+    runs keeps its own.
     """
     if not len(found.theta) or found.estimator is Estimator.FREE_RUNS:
         return found
     jacobian = interval_jacobian(problem, found)
-    covariance = information_inverse(problem, found.hypothesis, jacobian)
-    return replace(found, covariance=covariance + shared_rounding(problem, found, jacobian, covariance))
+    return replace(found, covariance=information_inverse(problem, found.hypothesis, jacobian))
 
 
 def interval_jacobian(problem: Problem, found: Fit) -> FloatArray:

@@ -70,6 +70,7 @@ def run_filter(
     own: Own | None = None,
     reading: FloatArray | None = None,
     points: bool = True,
+    shared: bool = False,
 ) -> FilterRun:
     """Run the filter over one recording.
 
@@ -79,8 +80,11 @@ def run_filter(
         own: what the recording has of its own; by default what the terms say.
         reading: readings in place of the recording's, shape (n,), NaN where missing [m].
         points: whether steps in which dry friction may stop the ball are taken at points.
+        shared: whether rests on one count inform once, as an estimate from all recordings needs it; a prediction is of
+            one rest and its error.
     """
-    (run,) = run_parts(problem, recording, added, process_noise, [Part(slice(None), reading)], own=own, points=points)
+    part = Part(slice(None), reading)
+    (run,) = run_parts(problem, recording, added, process_noise, [part], own=own, points=points, shared=shared)
     return run
 
 
@@ -100,11 +104,12 @@ def run_parts(
     *,
     own: Own | None = None,
     points: bool = True,
+    shared: bool = False,
 ) -> list[FilterRun]:
     """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
     law, sensor = problem.sensor(added.effects), _sensor(problem, added)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
-    error = recording.error_with((*problem.declared, *added.effects))
+    error = recording.error_with((*problem.declared, *added.effects), shared=shared)
     runs = []
     for use, reading in parts:
         first, last, _ = use.indices(len(recording.time))
@@ -189,7 +194,7 @@ def innovations_of(
     problem: Problem, recording: PreparedRecording, added: Terms, process_noise: float
 ) -> tuple[FloatArray, FloatArray]:
     """As `innovations`, of one recording."""
-    run = run_filter(problem, recording, added, process_noise)
+    run = run_filter(problem, recording, added, process_noise, shared=True)
     return run.innovation[recording.judged], run.innovation_variance[recording.judged]
 
 
@@ -211,6 +216,6 @@ def deviance_of(
     reading = recording.reading if reading is None else reading
     known = np.flatnonzero(np.isfinite(reading))
     part = slice(int(known[0]), int(known[-1]) + 1)  # nothing is predicted before or behind
-    (run,) = run_parts(problem, recording, added, process_noise, [Part(part, reading[part])], own=own)
+    (run,) = run_parts(problem, recording, added, process_noise, [Part(part, reading[part])], own=own, shared=True)
     use = filtered_against(reading[part])
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])

@@ -19,6 +19,7 @@ from harness.numerics import evenly_chosen
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
+from harness.signals.rests import with_repeats
 
 _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
@@ -129,19 +130,27 @@ class PreparedRecording:
     @cached_property
     def error(self) -> ErrorProcess:
         """The error of the measured angle at the stamps, which are stamps of the drive."""
+        return self._at_stamps(self.drive.error)
+
+    @cached_property
+    def shared_error(self) -> ErrorProcess:
+        """The same for an estimate from all recordings, which rests on one count inform once (`Drive.shared_error`)."""
+        return self.error if self.drive.repeats is None else self._at_stamps(self.drive.shared_error)
+
+    def _at_stamps(self, error: ErrorProcess) -> ErrorProcess:
         stamps = np.searchsorted(self.drive.time, self.time)
         if stamps[-1] - stamps[0] == len(stamps) - 1:
-            return self.drive.error.between(int(stamps[0]), int(stamps[-1]) + 1)
-        return self.drive.error.at(stamps)
+            return error.between(int(stamps[0]), int(stamps[-1]) + 1)
+        return error.at(stamps)
 
-    def error_with(self, effects: Sequence[Acting]) -> ErrorProcess:
-        """`error` of the beam's angle, where `effects` stand between it and the measured one.
+    def error_with(self, effects: Sequence[Acting], *, shared: bool = False) -> ErrorProcess:
+        """`error`, or `shared_error`, of the beam's angle, where `effects` stand between it and the measured one.
 
         To first order: a gain multiplies the error; a play passes it on, and what a delay of the position shifts it by
         is short against the time over which its variance changes.
         """
-        gain = transmission_with(effects).gain
-        return self.error if gain == 1.0 else self.error.scaled(gain)
+        error, gain = self.shared_error if shared else self.error, transmission_with(effects).gain
+        return error if gain == 1.0 else error.scaled(gain)
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
@@ -200,7 +209,10 @@ class Problem:
     ) -> Problem:
         """From prepared recordings, whose variances of a reading are averaged."""
         variance = float(np.mean([one.noise**2 for one in observed]))
-        return cls(tuple(map(PreparedRecording.of, observed)), rig, declared, variance, unknown=unknown)
+        recordings = [PreparedRecording.of(one) for one in observed]
+        drives = with_repeats([one.drive for one in recordings])
+        recordings = [replace(one, drive=drive) for one, drive in zip(recordings, drives, strict=True)]
+        return cls(tuple(recordings), rig, declared, variance, unknown=unknown)
 
     @property
     def readings(self) -> int:
