@@ -113,6 +113,10 @@ schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
 docs: $(INSTALLED) ## write docs/api.md from the docstrings
 	$(BIN)/python docs/make_api.py
 
+.PHONY: gallery
+gallery: $(INSTALLED) ## make the reports of docs/gallery.md and photograph them with Chromium (a few minutes)
+	$(BIN)/python docs/make_gallery.py
+
 # Guided by coverage where atheris is installed, which the lock has not: .venv/bin/python -m pip install atheris
 SECONDS ?= 600
 .PHONY: fuzz

@@ -1,14 +1,22 @@
 """A case that shows itself: its recordings, what is known of the rig, findings."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from analytic.naming import did_you_mean
+from harness.errors import InputError
 from harness.formatting import number
 from harness.recording import Case as CheckedCase
 from harness.recording import case as cases
 from harness.recording.known_rig import UNITS
 from harness.report.tables import Summarised, Summary, Table, texts
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Case(Summarised, CheckedCase):
@@ -24,6 +32,28 @@ class Case(Summarised, CheckedCase):
             rows = [(one.severity, one.where, one.text) for one in self.findings]
             tables.append(Table("Findings", texts("severity", "where", "finding"), rows))
         return Summary(f"Case {self.path}", lines, tables)
+
+    def plot(self, recording: str | None = None) -> Figure:
+        """Beam angle and ball position of a recording over time, with what is left out of all fits.
+
+        Args:
+            recording: which one; the first to identify from if none is named.
+
+        Raises:
+            InputError: the case has no such recording.
+        """
+        from harness.report.check.recordings import drawn
+
+        name = self.identify[0] if recording is None else recording
+        if name not in self.recordings:
+            known = ", ".join(self.recordings)
+            raise InputError(
+                f"{self.path}: there is no recording {name!r}.{did_you_mean(name, self.recordings)} "
+                f"Recordings are {known}."
+            )
+        figure = drawn(self.recordings[name])
+        figure.axes[0].set_title(f"{name} (simulated)" if self.simulated else name)
+        return figure
 
     def _recordings(self) -> Table:
         rows = []

@@ -21,6 +21,7 @@ from harness.report.tables import Summarised, Summary
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from harness.identify.design.detection import Detection
     from harness.identify.design.proposal import Proposal
@@ -119,6 +120,12 @@ class Check(Summarised):
         alike = alike_table(limits)
         tables = ([limits_table(limits)] if limits else []) + ([alike] if alike else [])
         return Summary(f"Check of {self.case.path}", lines, tables)
+
+    def plot(self) -> Figure:
+        """Detection limit of every effect in its typical sizes; of a worthless input, its first recording."""
+        from harness.report.check.effects import drawn
+
+        return self.case.plot() if self.detection is None else drawn(self.detection.limits)
 
     def record(self) -> dict[str, Any]:
         """Content of check.json, without its seal; numbers that are not finite become null."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
@@ -140,7 +141,7 @@ def compare(
     case: CheckedCase | str | Path,
     *,
     recording: str | None = None,
-    engines: Sequence[str] = (),
+    engines: Sequence[str | Engine] = (),
     settings: Mapping[str, Mapping[str, Any]] | None = None,
     start: State | tuple[float, float] | None = None,
     level_angle: float | Literal["estimate"] | None = None,
@@ -161,7 +162,8 @@ def compare(
     Args:
         case: as of `load_case`, or its path.
         recording: which one of the case; the first to identify from if none is named.
-        engines: `mujoco`, `pybullet`, `dart`; the first two, and those with settings, if none is named.
+        engines: `mujoco`, `pybullet`, `dart`, or objects of your own engines (`harness.engines.protocol.Engine`); the
+            first two, and those with settings, if none is named.
         settings: contact parameters by engine, as in `{"mujoco": {"friction": 0.3}}`.
         start: of the ball at the first stamp, position [m] and velocity [m/s]; estimated if none is given.
         level_angle: α₀ [rad], or "estimate"; as rig.toml says if none is given.
@@ -195,7 +197,7 @@ def compare(
         if check or tolerances is not None:
             limits = tolerances_for(case.path, None if tolerances is None else Path(tolerances))
             if engines:  # limits on engines that the user left out are not what was asked
-                limits = limits.without(set(limits.engines) - set(engines))
+                limits = limits.without(set(limits.engines) - {one.name for one, _ in chosen})
         choices = Choices(
             recording=recording,
             start=State(*start) if isinstance(start, tuple) else start,
@@ -264,14 +266,38 @@ def headline_rows(study: Study) -> list[tuple[str, ...]]:
 
 
 def _choose_engines(
-    names: Sequence[str], settings: Mapping[str, Mapping[str, Any]], scene: Scene | None
+    given: Sequence[str | Engine], settings: Mapping[str, Mapping[str, Any]], scene: Scene | None
 ) -> list[tuple[Engine, EngineParameters]]:
-    """Those that are named; else the default ones and whichever has settings. All settings are checked."""
+    """Those that are given; else the default ones and whichever has settings. All settings are checked."""
     from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
 
+    own = _own_engines([one for one in given if not isinstance(one, str)])
+    names = [one if isinstance(one, str) else one.name for one in given]
     idle = sorted(set(settings) - set(names)) if names else []
     if idle:
         raise InputError(f"parameters of {', '.join(idle)} are set, but --engine leaves it out; name it or drop them")
-    engines = {name: engine_of(name, scene) for name in dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))}
+    wanted = dict.fromkeys((*(names or DEFAULT_ENGINES), *settings))
+    engines = {name: own[name] if name in own else engine_of(name, scene) for name in wanted}
     checked = {name: parameters_of(engine, settings.get(name, {})) for name, engine in engines.items()}
     return [(engines[name], checked[name]) for name in dict.fromkeys(names or engines)]
+
+
+def _own_engines(given: Sequence[Engine]) -> dict[str, Engine]:
+    """Engines of the user's own by name, which becomes that of columns: no other source may have it."""
+    if not given:
+        return {}
+    from harness.engines.protocol import Engine
+    from harness.tolerances.file import SOURCES
+
+    own: dict[str, Engine] = {}
+    for one in given:
+        if not isinstance(one, Engine):
+            made = f"; make an object of it: {one.__name__}()" if isinstance(one, type) else ""
+            raise InputError(f"engines: {one!r} is neither a name nor a harness.engines.protocol.Engine{made}")
+        name = getattr(one, "name", "")
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise InputError(f"engines: {name!r} cannot be the name of an engine; use lower case, digits and _")
+        if name in SOURCES or name in own:
+            raise InputError(f"engines: the name {name!r} is taken; choose another for {type(one).__name__}")
+        own[name] = one
+    return own

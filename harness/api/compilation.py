@@ -12,7 +12,9 @@ from typing import Any
 
 from analytic.effects import LEVEL_ERROR, LINKAGE_BACKLASH, ROLLING_RESISTANCE
 from harness.api.progress import shown
+from harness.formatting import number
 from harness.progress import Progress
+from harness.report.tables import Summarised, Summary, Table, texts
 
 _PACKAGES = ("analytic.", "harness.")
 _DURATION = 3.0  # of a simulated recording [s]: what is compiled does not depend on it
@@ -45,8 +47,8 @@ class CompiledPart:
     kernels: tuple[Kernel, ...]
 
 
-@dataclass(frozen=True)
-class Compilation:
+@dataclass(frozen=True, repr=False)
+class Compilation(Summarised):
     """What `compile_kernels` did.
 
     Attributes:
@@ -66,6 +68,13 @@ class Compilation:
     def seconds(self) -> float:
         """Time of all parts [s]."""
         return sum(part.seconds for part in self.parts)
+
+    def summary(self) -> Summary:
+        """How many functions were compiled for each part, and how long that took."""
+        rows = [(part.name, number(part.seconds), str(len(part.kernels))) for part in self.parts]
+        line = f"{len(self.kernels)} functions compiled in {self.seconds:.0f} s; kept in {self.cache} and beside it."
+        table = Table("Parts", [*texts("part"), "time [s]", "functions compiled"], rows)
+        return Summary("Compilation of the kernels", [line], [table])
 
     def record(self) -> dict[str, Any]:
         """As JSON."""

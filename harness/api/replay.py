@@ -16,6 +16,7 @@ from harness.api.saved import LoadedDiagnosis, as_written
 from harness.api.writing import sha256_of
 from harness.errors import InputError
 from harness.progress import Progress
+from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
     from harness.api.case import Case
@@ -39,8 +40,8 @@ _SPARED = {
 }
 
 
-@dataclass(frozen=True)
-class Replayed:
+@dataclass(frozen=True, repr=False)
+class Replayed(Summarised):
     """What a replay found.
 
     Attributes:
@@ -65,6 +66,22 @@ class Replayed:
     def reproduced(self) -> bool:
         """Whether everything came out again."""
         return not self.mismatches
+
+    @property
+    def sentence(self) -> str:
+        """The answer."""
+        result = "nothing differs" if self.reproduced else f"{len(self.mismatches)} differ"
+        return f"{self.attempts} decisions, {self.fits} fits replayed: {result}"
+
+    def summary(self) -> Summary:
+        """The answer, every difference, other versions and what was not verified."""
+        lines = [f"{self.sentence}.", f"Largest difference of a deviance: {self.largest:.1g}"]
+        lines += [f"not verified: {what}" for what in self.unverified]
+        differences = [(one.where, one.what) for one in self.mismatches]
+        changed = list(self.other_versions.items())
+        tables = [Table("Differences", texts("where", "what"), differences)] if differences else []
+        tables += [Table("Changed since", texts("software", "then → now"), changed)] if changed else []
+        return Summary(f"Replay of {self.origin}", lines, tables)
 
 
 def replay(

@@ -27,6 +27,7 @@ from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from analytic.motion import FloatArray
 
@@ -158,6 +159,12 @@ class LoadedDiagnosis(Summarised):
         record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
         problem, found = read_model(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
+
+    def plot(self) -> Figure:
+        """RMS errors of predicted positions, held out, without and with what was found."""
+        from harness.report.diagnosis.kept_errors import drawn
+
+        return drawn([one[1:] for one in self._errors() if one[0] == "heldout"])
 
     def summary(self) -> Summary:
         """The verdict in words, the effects, the held-out errors."""

@@ -107,15 +107,9 @@ class Summary:
             console.print(grid)
         return "\n".join(line.rstrip() for line in out.getvalue().rstrip().splitlines())
 
-    def html(self) -> str:
-        """For a notebook; nothing has to be loaded."""
-        from harness.report.page import environment
-
-        return environment().get_template("summary.html").render(title=self.title, lines=self.lines, tables=self.tables)
-
 
 class Summarised(ABC):
-    """Shows itself by its `summary` in an interpreter and in a notebook."""
+    """Shows itself by its `summary` in an interpreter; in a notebook, also by the picture of its `plot`, if any."""
 
     @abstractmethod
     def summary(self) -> Summary:
@@ -125,4 +119,6 @@ class Summarised(ABC):
         return self.summary().text()
 
     def _repr_html_(self) -> str:
-        return self.summary().html()
+        from harness.report.notebook import notebook_html
+
+        return notebook_html(self.summary(), getattr(self, "plot", None))

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from matplotlib.figure import Figure
+
 from harness.formatting import fixed, number
 from harness.identify.design.detection import ALIKE, Detection, Limit
 from harness.report.check.content import Content, Subject
 from harness.report.page import Section
+from harness.report.palette import INK
+from harness.report.plots import drawing, plain_log, style
 from harness.report.tables import Column, Row, Table, texts
 
+_KINDS = (("as recorded", "o", "#D55E00"), ("once the rest is explained", "D", "#0072B2"))
 BEYOND = "no size"
 AS_RECORDED = "the expected gain reaches the threshold of the diagnosis, while the model lacks what it lacks now"
 SEARCHED = (
@@ -89,6 +95,32 @@ def limits_table(limits: tuple[Limit, ...]) -> Table:
     return Table(
         "Detection limits; shows at its typical size: yes, later (once the rest is explained), no", columns, rows
     )
+
+
+@style()
+def drawn(limits: tuple[Limit, ...]) -> Figure:
+    """Detection limits in typical sizes of their effects, on a logarithmic axis; what is left of 1 shows."""
+    told = [(one.effect, [_share(one, limit) for limit in (one.limit, one.explained)]) for one in limits]
+    told.sort(key=lambda each: min(each[1]))
+    figure = drawing(0.9 + 0.19 * len(told))
+    axes = figure.add_subplot()
+    shares = np.array([values for _, values in told]).reshape(-1, 2)
+    for column, (label, marker, colour) in enumerate(_KINDS):
+        finite = np.isfinite(shares[:, column])
+        axes.plot(shares[finite, column], np.flatnonzero(finite), marker, color=colour, markersize=5, label=label)
+    axes.axvline(1.0, color=INK, linewidth=1.0)
+    plain_log(axes, "x")
+    axes.set_yticks(range(len(told)), [name.replace("_", " ") for name, _ in told])
+    axes.set_xlabel("detection limit in typical sizes of the effect [1]; to the left of 1 it shows")
+    figure.legend(loc="outside upper left", ncols=2)
+    return figure
+
+
+def _share(one: Limit, limit: float) -> float:
+    """A limit over the typical size, the other way round for an effect of small values; infinite for no size."""
+    if limit == 0.0 or math.isinf(limit):
+        return math.inf
+    return one.typical / limit if one.inverse else limit / one.typical
 
 
 def alike_table(limits: tuple[Limit, ...]) -> Table | None:

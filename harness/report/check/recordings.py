@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from harness.numerics import evenly_chosen
 from harness.recording import Recording
@@ -25,7 +26,8 @@ def section(subject: Subject) -> Section:
 
 
 @style()
-def _picture(one: Recording, what: str) -> Picture:
+def drawn(one: Recording) -> Figure:
+    """Beam angle and ball position over time, with what is left out of all fits."""
     figure = drawing(3.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     look = Look("", MEASURED_COLOUR)
@@ -46,9 +48,14 @@ def _picture(one: Recording, what: str) -> Picture:
         bottom.legend(handles=marks)
     bottom.set_ylabel("position $s$ [m]")
     over_time(bottom, one.time[0], one.time[-1])
+    return figure
+
+
+@style()
+def _picture(one: Recording, what: str) -> Picture:
     shaded = "" if one.usable.all() else " Shaded: the position is unknown or left out of all fits."
     caption = f"{one.name} ({what}).{shaded}"
-    return picture(figure, f"Beam angle and ball position of {one.name} over time", caption)
+    return picture(drawn(one), f"Beam angle and ball position of {one.name} over time", caption)
 
 
 def _unknown(one: Recording) -> list[tuple[float, float]]:
