@@ -110,8 +110,15 @@ schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
 	$(BIN)/python -m harness.identify.record
 
 .PHONY: docs
-docs: $(INSTALLED) ## write docs/api.md from the docstrings
+docs: $(INSTALLED) ## write docs/api.md from the docstrings and build the site: build/site/index.html
 	$(BIN)/python docs/make_api.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "$(CURDIR)/build/site/index.html"
+
+.PHONY: tutorial
+tutorial: $(INSTALLED) ## run the commands of docs/tutorial.md and the recordings of docs/recording.md anew (some minutes)
+	$(BIN)/python docs/make_tutorial.py
+	$(BIN)/python docs/make_recording.py
 
 .PHONY: gallery
 gallery: $(INSTALLED) ## make the reports of docs/gallery.md and photograph them with Chromium (a few minutes)

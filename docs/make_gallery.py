@@ -16,7 +16,6 @@ import sys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PIL import Image
 
@@ -156,7 +155,7 @@ def main() -> int:
                 cwd=WORK,
                 capture_output=True,
                 text=True,
-                env=_environment(),
+                env=environment(),
             )
             if done.returncode:
                 print(f"{command}: exit code {done.returncode}\n{done.stderr}", file=sys.stderr)
@@ -174,7 +173,7 @@ def main() -> int:
     return 0
 
 
-def _environment() -> dict[str, str]:
+def environment() -> dict[str, str]:
     """That the commands run in: packages of this tree, from whatever folder."""
     path = os.pathsep.join(one for one in (str(ROOT), os.environ.get("PYTHONPATH", "")) if one)
     return os.environ | {"PYTHONPATH": path}
@@ -182,34 +181,37 @@ def _environment() -> dict[str, str]:
 
 def _pictures() -> dict[str, bytes]:
     """PNG files by name."""
-    from tests.report import browser
-
-    found = {}
-    with browser.chromium() as driver:
-        for one in ENTRIES:
-            metrics = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
-            driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-            driver.get((WORK / one.page).as_uri())
-            browser.settle(driver)
-            found[f"{one.name}.png"] = _small(_photograph(driver, one))
-    return found
+    return {f"{one.name}.png": small(photographed(WORK / one.page, HEIGHT, one.at, one.to)) for one in ENTRIES}
 
 
-def _photograph(driver: Any, one: Entry) -> bytes:
-    """What an entry shows of the page, as a PNG.
+def photographed(page: Path, height: int, at: str = "", to: str = "main figure") -> bytes:
+    """A part of a page, as a PNG.
+
+    Args:
+        page: HTML file.
+        height: of the picture at most [px].
+        at: CSS selector of what the picture begins with; empty for the top of the page.
+        to: of what it ends with.
 
     Raises:
         selenium.common.exceptions.NoSuchElementException: the page has not where it begins or ends.
     """
+    from tests.report import browser
+
     edge = "const r = arguments[0].getBoundingClientRect(); return scrollY + r[arguments[1]]"
-    top = driver.execute_script(edge, driver.find_element("css selector", one.at), "top") if one.at else 0.0
-    bottom = driver.execute_script(edge, driver.find_element("css selector", one.to), "bottom") + _MARGIN
-    clip = {"x": 0, "y": top, "width": WIDTH, "height": min(bottom - top, HEIGHT), "scale": 1}
-    shot = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
+    with browser.chromium() as driver:
+        metrics = {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        driver.get(page.as_uri())
+        browser.settle(driver)
+        top = driver.execute_script(edge, driver.find_element("css selector", at), "top") if at else 0.0
+        bottom = driver.execute_script(edge, driver.find_element("css selector", to), "bottom") + _MARGIN
+        clip = {"x": 0, "y": top, "width": WIDTH, "height": min(bottom - top, height), "scale": 1}
+        shot = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
     return base64.b64decode(shot["data"])
 
 
-def _small(picture: bytes) -> bytes:
+def small(picture: bytes) -> bytes:
     """The same compressed, with a palette where that does not do."""
     image = Image.open(io.BytesIO(picture)).convert("RGB")
     # By maximum coverage: the median cut would give the thin lines of the plots the colours of their neighbours.
