@@ -52,10 +52,14 @@ class View(Summarised):
         case: whose recording was shown.
         recording: name of the recording.
         engine: name of the engine.
-        begin, end: times of the recording that were shown [s].
+        begin: time of the recording from which on it was shown [s].
+        end: time until which it was shown [s].
         runs: as rig.toml says, then with the effects of a diagnosis, if one was given.
         video: the file that was written; `None` after a window.
-        frames, frames_per_s, width, height: of the video; 0 after a window.
+        frames: number of those of the video; 0 after a window, as the following.
+        frames_per_s: how many are shown in a second [1/s].
+        width: of the video [px].
+        height: of the video [px].
         playback: positions, angles and turns as functions of time.
     """
 
