@@ -45,6 +45,7 @@ class Picture:
         width, height: of the drawing [px].
         still_note: what the caption adds on the image, which does not hold for the chart.
         chart: what replaces the image on screen where scripts run; `None` for nothing.
+        beside: further charts, beside each other below it.
     """
 
     source: str
@@ -54,26 +55,37 @@ class Picture:
     height: int
     chart: Chart | None = None
     still_note: str = ""
+    beside: tuple[Chart, ...] = ()
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All that replace the image."""
+        return self.beside if self.chart is None else (self.chart, *self.beside)
 
     @property
     def chart_note(self) -> str:
-        """What the caption adds on the chart: how to use it, and whether it is thinned."""
-        if self.chart is None:
+        """What the caption adds on the charts: how to use them, and whether they are thinned."""
+        if not self.charts:
             return ""
-        linked = " A click sets the instant of all plots and of the replay." if self.chart.clock else ""
-        points = f" {_POINTS}" if self.chart.pointed else ""
-        return f"{_USE}{linked}{points}{self.chart.thinning_note}"
+        linked = " A click sets the instant of all plots and of the replay." if self.charts[0].clock else ""
+        points = f" {_POINTS}" if any(one.pointed for one in self.charts) else ""
+        return f"{_USE}{linked}{points}{self.charts[0].thinning_note}"
 
 
 def picture(
-    figure: Figure, alt: str, caption: str | Markup, chart: Chart | None = None, still_note: str = ""
+    figure: Figure,
+    alt: str,
+    caption: str | Markup,
+    chart: Chart | None = None,
+    still_note: str = "",
+    beside: tuple[Chart, ...] = (),
 ) -> Picture:
     """Converts `figure` to an embedded image; call within `style`."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, dpi=160)
     width, height = figure.get_size_inches() * 96
     source = "data:image/svg+xml;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
-    return Picture(source, alt, caption, round(width), round(height), chart, still_note)
+    return Picture(source, alt, caption, round(width), round(height), chart, still_note, beside)
 
 
 def drawing(height: float) -> Figure:

@@ -129,8 +129,10 @@
       this.heads = [];
       this.rings = [];
       this.hovered = null;
-      this.place = make("div", { class: "live", role: "group", "aria-label": figure.querySelector("img").alt });
-      figure.prepend(this.place);
+      const image = figure.querySelector("img");
+      const name = data.clock === "" ? `${image.alt} Against ${data.label}.` : image.alt;
+      this.place = make("div", { class: data.clock === "" ? "live" : "live over-time", role: "group", "aria-label": name });
+      image.before(this.place);
       this.place.append(this.controls(), this.switches());
       this.place.addEventListener("keydown", (event) => this.key(event));
     }

@@ -12,6 +12,7 @@ from harness.formatting import number
 from harness.numerics import rms
 from harness.report import plots
 from harness.report.chart import Chart, Panel, Trace
+from harness.report.clouds import Cloud, Row, against_state, stamped
 from harness.report.comparison.overlay import CLOCK, UNCERTAINTY, marks
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
@@ -80,11 +81,13 @@ def _against(subject: Subject) -> plots.Picture:
     shown = list(dict.fromkeys((best, CAM.name if best != CAM.name else others[0])))
     figure = plots.drawing(2.4 * len(shown))
     grid = figure.subplots(len(shown), 3, sharey="row", squeeze=False)
+    rows = []
     for row, source in zip(grid, shown, strict=True):
         error = 1e3 * subject.error(source, horizon)
         runs, at = np.nonzero(np.isfinite(error))
         _clouds(row, subject, error[runs, at], at, look_of(source))
         row[0].set_ylabel(f"{label_of(source)}\nerror [mm]")
+        rows.append(_row(subject, "error", "mm", Cloud(source, look_of(source), error[runs, at]), at, label_of(source)))
     for axes in grid[0]:
         axes.tick_params(labelbottom=True)
     return plots.picture(
@@ -92,7 +95,19 @@ def _against(subject: Subject) -> plots.Picture:
         f"Position errors of {' and '.join(map(label_of, shown))} against position, velocity and beam angle.",
         f"Position error of the closest source and a second one, {subject.over(horizon)}, against "
         "position, velocity and beam angle. Points: means of bins with their standard errors.",
+        beside=against_state("errors-against", rows),
     )
+
+
+def _row(
+    subject: Subject, label: str, unit: str, cloud: Cloud, at: np.ndarray, title: str = "",
+    frame: tuple[float, float] | None = None,
+) -> Row:  # fmt: skip
+    """The same at the stamps `at`, shape (n,), as data of the page."""
+    setting = subject.study.setting
+    ball, angle = setting.ball, setting.drive.states[:, 0]
+    state = (stamped(setting.time[at]), ball.position[at], ball.velocity[at], angle[at])
+    return Row(label, unit, [cloud], *state, frame=frame, title=title)
 
 
 def _clouds(row: np.ndarray, subject: Subject, value: FloatArray, at: np.ndarray, look: Look) -> None:
@@ -129,6 +144,8 @@ def _acceleration(subject: Subject) -> plots.Picture:
         Trace("residual", replace(look, label="residual acceleration"), time, residual),
     ]
     panel = Panel("residual acceleration of CAM", "m/s²", traces, frame=top.get_ylim(), zero=True)
+    cloud = Cloud("residual", replace(look, label="residual acceleration"), residual[at])
+    clouds = _row(subject, "residual", "m/s²", cloud, at, frame=row[0].get_ylim())
     scatter, std_rms = float(np.std(residual[at])), rms(std[at])
     return plots.picture(
         figure,
@@ -138,4 +155,5 @@ def _acceleration(subject: Subject) -> plots.Picture:
         "slope in ṡ viscous damping, an offset a level error, a slope in s a curved track. Its standard deviation "
         f"is {number(scatter)} m/s², its uncertainty {number(std_rms, 2)} m/s².",
         Chart("residual-acceleration", [panel], clock=CLOCK),
+        beside=against_state("acceleration-against", [clouds]),
     )

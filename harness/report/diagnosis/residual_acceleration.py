@@ -9,6 +9,7 @@ from harness.formatting import number
 from harness.numerics import rms
 from harness.report import plots
 from harness.report.chart import Chart, Panel, Trace
+from harness.report.clouds import Cloud, Row, against_state, stamped
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.diagnosis.verdict import SIGMA, clock_of
 from harness.report.page import Section
@@ -114,10 +115,22 @@ def _against(account: Account) -> plots.Picture:
     row[0].set_ylabel(_LABEL)
     _in_newtons(row[-1], account)
     _legend(figure, account)
+    clouds = [Cloud("residual", LEFT, residual)]
+    if account.changed:
+        clouds.append(Cloud("law", LAW, law, averaged=False))
+    data = Row("residual", "m/s²", clouds, _stamps(account), position, velocity, angle, frame=row[0].get_ylim())
     return plots.picture(
         figure,
         "Residual acceleration and that of the effects against position, velocity and beam angle.",
         "The same against position, velocity and beam angle, over all recordings. Black: bin means of the residual "
         "acceleration with their standard errors. A step at ṡ = 0 indicates dry friction, a slope in ṡ viscous "
         "damping, an offset a level error, a slope in s a curved track.",
+        still_note="Right axis: the equivalent force.",
+        beside=against_state("residual-against", [data]),
     )
+
+
+def _stamps(account: Account) -> list[str]:
+    """What the samples of all recordings at trusted readings are."""
+    both = zip(account.residual_accelerations, account.diagnosis.problem.recordings, strict=True)
+    return [note for one, record in both for note in stamped(one.time[one.trusted], record.name)]
