@@ -209,6 +209,15 @@ def frame(axes: Axes, values: FloatArray, margin: float = 0.35, least: float = 1
     axes.set_ylim(low - room, high + room)
 
 
+def middle(values: FloatArray, outside: float) -> FloatArray:
+    """Lowest and highest of the finite `values` without the share `outside` [%] at each end, shape (2,).
+
+    Along a path that left the range where a law is defined, values may be infinite; zeros if none is finite.
+    """
+    finite = values[np.isfinite(values)]
+    return np.percentile(finite, (outside, 100.0 - outside)) if finite.size else np.zeros(2)
+
+
 def mark_exits(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> tuple[float, bool] | None:
     """Marks with triangles where a line leaves the y limits.
 

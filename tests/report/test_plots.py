@@ -1,10 +1,11 @@
 """Pictures: what is drawn where lines leave the frame, and how bands are thinned."""
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
 from harness.report.palette import LOOKS, look_of
-from harness.report.plots import binned, joined, left_out, mark_exits, thinning
+from harness.report.plots import binned, joined, left_out, mark_exits, middle, thinning
 
 
 def exits(values):
@@ -82,3 +83,10 @@ def test_readings_that_are_left_out_are_drawn_apart():
     (entry,) = left_out(axes, readings)
     assert entry.get_label() == "left out of all fits"
     np.testing.assert_array_equal(np.column_stack(axes.lines[0].get_data()), readings)
+
+
+def test_a_law_beyond_its_range_spoils_no_frame():
+    """Frame what is finite, where a path left the range in which a law has values."""
+    values = np.array([np.inf, np.nan, *range(100), -np.inf])
+    assert middle(values, 1.0) == pytest.approx([0.99, 98.01])
+    assert np.array_equal(middle(np.full(3, np.nan), 1.0), [0.0, 0.0])

@@ -21,6 +21,8 @@ from harness.identify.problem.hypothesis import NOTHING, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.signals.ball_state import BallEstimate
 
+_ABSURD = 1e6  # [m/s²]
+
 
 @dataclass(frozen=True)
 class ResidualAcceleration:
@@ -31,7 +33,7 @@ class ResidualAcceleration:
         position, velocity, angle: s [m], ṡ [m/s] and α [rad] of the measured path.
         residual: measured acceleration minus that of the model with the known effects [m/s²].
         deviation: its standard deviation [m/s²].
-        law: acceleration that the identified terms add along the measured path [m/s²].
+        law: acceleration that the identified terms add along the measured path, NaN where they give none [m/s²].
         trusted: False for outliers.
     """
 
@@ -56,6 +58,8 @@ def residual_acceleration(
     cam = _acceleration(replace(problem, declared=(), model=CAM), recording, ball)
     with_known = _acceleration(problem, recording, ball)
     with_terms = _acceleration(problem, recording, ball, found.terms)
+    # A polynomial, as of a sensor's curve, has no meaning where a smoothed path left the readings far behind.
+    law = np.where(np.abs(with_terms - with_known) < _ABSURD, with_terms - with_known, np.nan)
     return ResidualAcceleration(
         time=recording.time,
         position=ball.position,
@@ -63,8 +67,8 @@ def residual_acceleration(
         angle=recording.drive.states[:, 0],
         residual=ball.residual - (with_known - cam),
         deviation=np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0)),
-        law=with_terms - with_known,
-        trusted=ball.trusted,
+        law=law,
+        trusted=ball.trusted & np.isfinite(law),
     )
 
 

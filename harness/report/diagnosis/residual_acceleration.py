@@ -66,7 +66,7 @@ def _over_time(account: Account) -> plots.Picture:
         if account.changed:
             plots.signal(axes, one.time, one.law, LAW)
         plots.zero(axes)
-        low, high = np.percentile(np.concatenate((one.residual, one.law)), (0.3, 99.7))
+        low, high = plots.middle(np.concatenate((one.residual, one.law)), 0.3)
         room = 2.0 * float(np.median(one.deviation))
         plots.frame(axes, np.array([low - room, high + room]), margin=0.1, least=0.0)
         axes.set(xlim=(one.time[0], one.time[-1]), title=record.name, ylabel=_LABEL)
@@ -111,7 +111,7 @@ def _against(account: Account) -> plots.Picture:
         if account.changed:
             plots.dots(axes, x, law, LAW)
         plots.means(axes, x, residual)
-    plots.frame(row[0], np.percentile(np.concatenate((residual, law)), (1.0, 99.0)), margin=0.3, least=0.0)
+    plots.frame(row[0], plots.middle(np.concatenate((residual, law)), 1.0), margin=0.3, least=0.0)
     row[0].set_ylabel(_LABEL)
     _in_newtons(row[-1], account)
     _legend(figure, account)
