@@ -94,8 +94,8 @@ ENTRIES = (
         "sweep",
         "How small a step, which friction?",
         "Simulated data: the bundled recording of a virtual rig.",
-        "Error against computing time of both engines at three time steps. Against the paper's model (left) "
-        "smaller steps pay; against the recording (right) they change nothing, as missing physics outweighs them "
+        "Error against computing time of both engines at three time steps. Against the paper's model (above) "
+        "smaller steps pay; against the recording (below) they change nothing, as missing physics outweighs them "
         "thousands of times.",
         ("harness sweep sweep.toml --out sweep",),
         "sweep/sweep.html",
