@@ -112,7 +112,7 @@ schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
 .PHONY: docs
 docs: $(INSTALLED) ## write docs/api.md from the docstrings and build the site: build/site/index.html
 	$(BIN)/python docs/make_api.py
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "$(CURDIR)/build/site/index.html"
 
 .PHONY: tutorial

@@ -196,6 +196,7 @@ def photographed(page: Path, height: int, at: str = "", to: str = "main figure")
     Raises:
         selenium.common.exceptions.NoSuchElementException: the page has not where it begins or ends.
     """
+    sys.path.insert(0, str(ROOT))  # before installed packages, some of which bring tests along
     from tests.report import browser
 
     edge = "const r = arguments[0].getBoundingClientRect(); return scrollY + r[arguments[1]]"

@@ -12,6 +12,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 from make_gallery import HEIGHT, environment, photographed, small
 
 HERE = Path(__file__).resolve().parent
@@ -53,16 +55,31 @@ def ran(command: str, folder: Path) -> str:
 
 def shown(output: str) -> str:
     """An output as a block, its middle left out where it is long."""
-    lines = [line.rstrip() for line in output.strip().splitlines()]
+    lines = [line.rstrip() for line in output.strip("\n").splitlines()]
     if len(lines) > LONGEST:
         lines = [*lines[: LONGEST - 6], "⋮", *lines[-5:]]
     return "```text\n" + "\n".join(lines) + "\n```\n"
+
+
+def write_logs() -> None:
+    """The logs, as a data logger writes them, of a simulated rig: what is hidden in it stands on the page."""
+    hidden = "--hide rolling_resistance.coefficient=0.004 --hide channel_delay.delay=0.02"
+    ran(f"harness simulate --out virtual --seed 21 {hidden}", WORK)
+    for number, name in enumerate(LOGS, start=1):
+        read = pd.read_csv(WORK / "virtual" / f"rec_0{number}.csv", comment="#")
+        columns = {
+            "Time (ms)": (1e3 * read["time_s"]).round().astype(int),
+            "Beam angle (deg)": np.degrees(read["beam_angle_rad"]).round(4),
+            "Ball (cm)": (100.0 * read["ball_position_m"]).round(2),
+        }
+        pd.DataFrame(columns).to_csv(FOLDER / name, index=False)
 
 
 def main() -> None:
     """Run the commands, write the page and its pictures."""
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir(parents=True)
+    write_logs()
     for name in LOGS:
         shutil.copy(FOLDER / name, WORK)
 
