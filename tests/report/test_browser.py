@@ -27,20 +27,6 @@ def page(result, tmp_path_factory):  # noqa: F811
     return path
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    """One browser for all tests."""
-    with browser.chromium() as one:
-        yield one
-
-
-@pytest.fixture
-def driver(chromium, page):
-    """The report, freshly opened at 1000 pixels, light; no script may complain."""
-    yield browser.opened(chromium, page)
-    assert browser.complaints(chromium) == []
-
-
 @pytest.fixture
 def clock(driver):
     """Sets the page's instant, or asks for it and for the span shown."""

@@ -49,20 +49,6 @@ def page(swept):
     return swept.folder / "sweep.html"
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    """One browser for all tests."""
-    with browser.chromium() as one:
-        yield one
-
-
-@pytest.fixture
-def driver(chromium, page):
-    """The report, freshly opened; no script may complain."""
-    yield browser.opened(chromium, page)
-    assert browser.complaints(chromium) == []
-
-
 def told(driver, scope: str) -> list[str]:
     """What each point says, by going through all of them with the button."""
     button, said = browser.button(driver, scope, "Next point"), f"{scope} .picked"

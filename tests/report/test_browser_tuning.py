@@ -49,20 +49,6 @@ def page(tuning, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    """One browser for all tests."""
-    with browser.chromium() as one:
-        yield one
-
-
-@pytest.fixture
-def driver(chromium, page):
-    """The report, freshly opened; no script may complain."""
-    yield browser.opened(chromium, page)
-    assert browser.complaints(chromium) == []
-
-
 def line(driver, chart: str, panel: int, key: str) -> tuple[np.ndarray, np.ndarray]:
     """Times and values of one line as the page has them; where it has samples."""
     x, y = driver.execute_script(
