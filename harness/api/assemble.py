@@ -54,7 +54,7 @@ def diagnosis_record(
     """
     spline = found.found.terms.spline
     inputs = SourcesRecord(hashes=dict(hashes), versions=versions())
-    ledger = ledger_record(found.problem, found.selection, inputs)
+    ledger = ledger_record(found.selection, inputs)
     return DiagnosisRecord(
         verdict=found.verdict.value,
         sentence=sentence(found),

@@ -122,7 +122,7 @@ def replay(
             sources = record.problem.inputs
             hashes = input_hashes(case, files_of(effects))
             _same_inputs(sources.hashes, hashes, case.path, kept.origin)
-            problem = problem_of(case, record.problem.recordings)
+            problem = problem_of(case, record.problem.recordings).rougher(record.problem.roughness)
             done = again(record, problem, refit=refit, progress=tell)
             mismatches = [*_sealing(record, kept.origin), *done.mismatches]
             if done.selection is None:
@@ -188,7 +188,7 @@ def _conclusions(
         yield _mismatch("found", f"is {text}")
     failures = Failures(failed)
     tell("verdict and intervals")
-    identified = judge(problem, selection, failures)
+    identified = judge(selection, failures)
     found = validate(identified, failures, tell, length=case.rig.length, engines=engines, scene=case.scene)
     made = diagnosis_record(found, case, record.wall_time_s, hashes)
     spared = {("errors", "also"), *(() if engines else [("errors", "engines")])}

@@ -156,7 +156,7 @@ class LoadedDiagnosis(Summarised):
         from harness.preparation.recordings import observe
 
         model = self.record.model
-        record = PreparedRecording.of(observe(read, sensors, rig_of(model)))
+        record = PreparedRecording.of(observe(read, sensors, rig_of(model))).rougher(model.roughness)
         problem, found = read_model(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 

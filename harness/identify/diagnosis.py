@@ -139,7 +139,7 @@ def validate(
             if engines
             else {},
         )
-        for one in also
+        for one in (each.rougher(problem.roughness) for each in also)
     }
     in_sample = HeldOut(problem, base, found, problem.recordings)
     run = (

@@ -37,6 +37,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         band=found.band,
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
+        roughness=problem.roughness,
     )
 
 
@@ -62,6 +63,7 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
 
     Args:
         kept: as `model_record` made it.
+        recording: smoothed with its `roughness`.
         origin: the file, for messages.
 
     Raises:
@@ -70,7 +72,14 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
     hypothesis = _hypothesis(kept, origin)
     declared = _declared(kept, origin)
     colour = Colour(kept.colour.share, kept.colour.time_s)
-    problem = Problem((recording,) * kept.phases, rig_of(kept), declared, kept.reading_variance_m2, colour=colour)
+    problem = Problem(
+        (recording,) * kept.phases,
+        rig_of(kept),
+        declared,
+        kept.reading_variance_m2,
+        colour=colour,
+        roughness=kept.roughness,
+    )
     theta = np.array(kept.parameters, dtype=float)
     _check_parameters(theta, hypothesis, problem, origin)
     if any(one is None for row in kept.covariance for one in row):

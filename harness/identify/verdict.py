@@ -58,7 +58,7 @@ class Identification:
     """Result of the identification, before validation.
 
     Attributes:
-        problem: the problem that was identified.
+        problem: the problem that was identified, with what the search estimated of it.
         verdict: the answer.
         effects: identified effects beside the known ones.
         base, found: fits without and with the selected terms.
@@ -77,7 +77,7 @@ class Identification:
     @property
     def selection(self) -> Selection:
         """The fits and the ledger alone."""
-        return Selection(self.base, self.found, self.ledger)
+        return Selection(self.problem, self.base, self.found, self.ledger)
 
     @property
     def depends_on(self) -> tuple[Regressor, ...]:
@@ -103,12 +103,13 @@ def identify(problem: Problem, progress: Progress = silent, failures: Failures |
     Args:
         failures: as of `search`.
     """
-    return judge(problem, search(problem, progress, failures), failures)
+    return judge(search(problem, progress, failures), failures)
 
 
-def judge(problem: Problem, selection: Selection, failures: Failures | None = None) -> Identification:
+def judge(selection: Selection, failures: Failures | None = None) -> Identification:
     """The verdict on a selection, with the intervals of the parameters."""
-    criterion, plain = Criterion(problem.settings), selection.found
+    problem, plain = selection.problem, selection.found
+    criterion = Criterion(problem.settings)
     found = attempt(
         failures, Part.SEARCH, "covariance of the intervals", lambda: with_interval_covariance(problem, plain), plain
     )

@@ -44,6 +44,11 @@ class AngleSensor:
         return self.noise < _DITHERED * self.resolution
 
     @property
+    def by_counts(self) -> bool:
+        """Whether readings are smoothed as counts, whose noise is estimated where it is not declared."""
+        return self.estimated or self.rounded
+
+    @property
     def variance(self) -> float:
         """Of noise and rounding together, as white noise [rad²]."""
         return self.noise**2 + self.resolution**2 / 12.0
@@ -67,6 +72,7 @@ class Drive(QuinticMotion):
     residual_ratio: float
     _smoothed: Smoothed
     _variance: FloatArray
+    _angle: FloatArray
     repeats: FloatArray | None = None
 
     @cached_property
@@ -79,6 +85,18 @@ class Drive(QuinticMotion):
         """`error` where one estimate is made of all rests: m on one count, which share their rounding, have m-fold
         variances (`harness.signals.rests`)."""
         return self.error if self.repeats is None else self.error.inflated(self.repeats)
+
+    def rougher(self, factor: float) -> Drive:
+        """From the same readings, with `factor` times the density of the third derivative [1].
+
+        What moves the beam within a count, or within its noise, is not in the readings: the density that they tell is
+        then too small, and the stated errors with it.
+        """
+        if factor == 1.0:
+            return self
+        sensor, density = self.sensor, factor * self._smoothed.density
+        smoothed, variance, _ = _smooth(self.time, self._angle, sensor, sensor.noise, density)
+        return _drive(self._angle, sensor, smoothed, variance)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""
@@ -103,14 +121,23 @@ def make_drive(
     known = np.isfinite(angle)
     if known.sum() < 3:
         raise ValueError("fewer than three angles are known")
-    resolution = resolution or 0.0
-    sensor = AngleSensor(resolution, noise or 0.0, noise is None)
-    if noise is None or sensor.rounded:
-        smoothed, variance, found = smooth_rounded(time, angle, resolution, noise)
-        sensor = replace(sensor, noise=found)
-    else:  # noise dithers the rounding, whose error then is white noise too
-        smoothed, variance, _ = smooth_rounded(time, angle, 0.0, max(math.sqrt(sensor.variance), _LEAST_NOISE))
+    sensor = AngleSensor(resolution or 0.0, noise or 0.0, noise is None)
+    smoothed, variance, found = _smooth(time, angle, sensor, noise)
+    return _drive(angle, replace(sensor, noise=found) if sensor.by_counts else sensor, smoothed, variance)
+
+
+def _smooth(
+    time: FloatArray, angle: FloatArray, sensor: AngleSensor, noise: float | None, density: FloatArray | None = None
+) -> tuple[Smoothed, FloatArray, float]:
+    """As `smooth_rounded`; noise that dithers the rounding makes its error white noise, too."""
+    if sensor.by_counts:
+        return smooth_rounded(time, angle, sensor.resolution, noise, density)
+    return smooth_rounded(time, angle, 0.0, max(math.sqrt(sensor.variance), _LEAST_NOISE), density)
+
+
+def _drive(angle: FloatArray, sensor: AngleSensor, smoothed: Smoothed, variance: FloatArray) -> Drive:
+    known = np.isfinite(angle)
     std = np.sqrt(np.diagonal(smoothed.covariance, axis1=1, axis2=2).clip(min=0.0))
     residual = float(np.sqrt(np.mean((angle - smoothed.mean[:, 0])[known] ** 2)))
     ratio = residual / max(math.sqrt(sensor.variance), _LEAST_NOISE)
-    return Drive(smoothed.time, smoothed.mean, std, sensor, ratio, smoothed, variance)
+    return Drive(smoothed.time, smoothed.mean, std, sensor, ratio, smoothed, variance, angle)

@@ -182,7 +182,11 @@ def _propagate(
 
 
 def smooth_rounded(
-    time: FloatArray, count: FloatArray, step: float, noise: float | None = 0.0, density: float | None = None
+    time: FloatArray,
+    count: FloatArray,
+    step: float,
+    noise: float | None = 0.0,
+    density: float | FloatArray | None = None,
 ) -> tuple[Smoothed, FloatArray, float]:
     """Smooth a signal that was rounded to the nearest multiple of `step`, or a continuous one.
 
@@ -192,7 +196,8 @@ def smooth_rounded(
         step: distance of two counts, 0 for a continuous reading [unit].
         noise: standard deviation of the sensor before rounding [unit]; no less than a twentieth of `step` is assumed.
             `None` to estimate it.
-        density: of the white third derivative [unit²/s⁵]; by default it is estimated along the record.
+        density: of the white third derivative, one or that of each step, shape (n − 1,) [unit²/s⁵]; by default it is
+            estimated along the record.
 
     Returns:
         The smoothed signal (its evidence is that of the sites), the variance of the Gaussian measurement equivalent

@@ -29,7 +29,7 @@ def nothing_missing(folder: Path) -> DiagnosisRecord:
     case = load_case(folder)
     problem = problem_of(case)
     base = fit(problem, Hypothesis(()))
-    ledger = ledger_record(problem, Selection(base, base, ()), SourcesRecord(hashes={}, versions={}))
+    ledger = ledger_record(Selection(problem, base, base, ()), SourcesRecord(hashes={}, versions={}))
     return DiagnosisRecord(
         verdict="none",
         sentence="Nothing is missing.",

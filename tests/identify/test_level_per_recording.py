@@ -110,7 +110,7 @@ def test_what_all_recordings_share_goes_to_the_common_level(problem: Problem) ->
 def test_result_has_the_level_of_every_recording(problem: Problem, found: Fit) -> None:
     """Give the standard deviation as the effect's parameter, and each level with its interval beside it."""
     base = fit(problem, Hypothesis(()))
-    (effect,) = judge(problem, Selection(base, found, ())).effects
+    (effect,) = judge(Selection(problem, base, found, ())).effects
     record = EffectRecord.model_validate(effect)
     assert list(record.parameters) == ["spread"]
     assert list(record.by_recording) == [recording.name for recording in problem.recordings]

@@ -24,6 +24,6 @@ def test_a_gain_of_more_than_two_is_implausible(plain: Posed, gain: float, impla
     base = fit(problem, Hypothesis(()))
     theta = np.array([gain]) / GAIN.scale(problem)
     found = replace(fit(problem, GAIN), theta=theta, terms=GAIN.terms(theta, problem))
-    (effect,) = judge(problem, Selection(base, found, ())).effects
+    (effect,) = judge(Selection(problem, base, found, ())).effects
     assert effect.implausible == implausible
     assert EffectRecord.model_validate(effect).implausible == implausible

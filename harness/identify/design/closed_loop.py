@@ -187,4 +187,5 @@ def drive_through(time: FloatArray, states: FloatArray) -> Drive:
     """The drive through exactly known α, α̇, α̈, shape (n, 3), at `time`, shape (n,) [s]."""
     covariance = np.zeros((len(time), 3, 3))
     smoothed = Smoothed(time, states, covariance, np.zeros(len(time) - 1), 0.0)
-    return Drive(time, states, np.zeros_like(states), AngleSensor(0.0, 0.0, False), 1.0, smoothed, np.zeros(len(time)))
+    exact = AngleSensor(0.0, 0.0, False)
+    return Drive(time, states, np.zeros_like(states), exact, 1.0, smoothed, np.zeros(len(time)), states[:, 0])

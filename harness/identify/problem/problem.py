@@ -105,6 +105,10 @@ class PreparedRecording:
 
         return lru_cache(maxsize=_TABLES)(tabulated)
 
+    def rougher(self, factor: float) -> PreparedRecording:
+        """The same with a rougher motion of the beam (`Drive.rougher`)."""
+        return self if factor == 1.0 else replace(self, drive=self.drive.rougher(factor))
+
     @cached_property
     def thinned(self) -> PreparedRecording:
         """Mean readings of cells of 40 ms, at their mean stamps: free runs differ from readings slowly.
@@ -192,6 +196,7 @@ class Problem:
         unknown: stand-ins for unknown rig quantities; in every hypothesis, never reported as found.
         settings: of the identification.
         colour: of the reading noise.
+        roughness: factor on the density of the beam's third derivative that the angle readings tell [1].
     """
 
     recordings: tuple[PreparedRecording, ...]
@@ -202,6 +207,7 @@ class Problem:
     unknown: tuple[str, ...] = ()
     settings: Settings = DEFAULT
     colour: Colour = WHITE
+    roughness: float = 1.0
 
     @classmethod
     def of(
@@ -209,10 +215,15 @@ class Problem:
     ) -> Problem:
         """From prepared recordings, whose variances of a reading are averaged."""
         variance = float(np.mean([one.noise**2 for one in observed]))
-        recordings = [PreparedRecording.of(one) for one in observed]
-        drives = with_repeats([one.drive for one in recordings])
-        recordings = [replace(one, drive=drive) for one, drive in zip(recordings, drives, strict=True)]
-        return cls(tuple(recordings), rig, declared, variance, unknown=unknown)
+        recordings = _knowing_repeats([PreparedRecording.of(one) for one in observed])
+        return cls(recordings, rig, declared, variance, unknown=unknown)
+
+    def rougher(self, factor: float) -> Problem:
+        """The same recordings with a beam that moves more roughly than in this problem (`Drive.rougher`)."""
+        if factor == 1.0:
+            return self
+        recordings = _knowing_repeats([one.rougher(factor) for one in self.recordings])
+        return replace(self, recordings=recordings, roughness=factor * self.roughness)
 
     @property
     def readings(self) -> int:
@@ -267,3 +278,9 @@ class Problem:
     def sensor(self, effects: Sequence[Acting]) -> SensorLaw:
         """The position sensor with the known effects and `effects`."""
         return sensor_with((*self.declared, *effects))
+
+
+def _knowing_repeats(recordings: Sequence[PreparedRecording]) -> tuple[PreparedRecording, ...]:
+    """The same recordings of one rig, whose drives know how often the beam rests on a count in all of them."""
+    drives = with_repeats([one.drive for one in recordings])
+    return tuple(replace(one, drive=drive) for one, drive in zip(recordings, drives, strict=True))

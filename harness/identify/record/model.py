@@ -79,7 +79,8 @@ class ColourRecord(Part):
 class ModelRecord(Part):
     """The identified model: everything that a prediction needs.
 
-    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it.
+    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
+    is the factor on the density of the beam's third derivative with which a drive is smoothed [1].
     """
 
     rig: RigRecord
@@ -95,6 +96,7 @@ class ModelRecord(Part):
     band: Positive = 1.0
     reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
+    roughness: Positive = 1.0
 
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ModelRecord:

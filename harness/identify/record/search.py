@@ -100,6 +100,7 @@ class ProblemRecord(Part):
     readings: int = Field(ge=1)
     reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
+    roughness: Positive = 1.0
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]

@@ -63,6 +63,7 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
         readings=problem.readings,
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
+        roughness=problem.roughness,
         baseline=problem.model.name,
         rig=RigRecord.model_validate(problem.rig),
         declared=declared_record(problem),
@@ -93,10 +94,10 @@ def fit_record(fit: Fit, criterion: Criterion, *, covariance: bool = False) -> F
     )
 
 
-def ledger_record(problem: Problem, selection: Selection, inputs: SourcesRecord) -> LedgerRecord:
+def ledger_record(selection: Selection, inputs: SourcesRecord) -> LedgerRecord:
     """`ledger`, `fits` and `problem` of diagnosis.json; the first fit is the one without any effect."""
-    posed = problem_record(problem, inputs)
-    criterion = Criterion(problem.settings)
+    posed = problem_record(selection.problem, inputs)
+    criterion = Criterion(selection.problem.settings)
     fits: dict[str, FitRecord] = {}
 
     def name_of(fit: Fit) -> str:

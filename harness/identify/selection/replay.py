@@ -118,7 +118,7 @@ def _selection(record: LedgerRecord | DiagnosisRecord, fits: Mapping[str, Fit], 
         )
         for line in record.ledger
     )
-    return Selection(next(iter(fits.values())), fits[record.found], lines)
+    return Selection(problem, next(iter(fits.values())), fits[record.found], lines)
 
 
 def _problem_differences(posed: ProblemRecord, problem: Problem) -> Iterator[Mismatch]:

@@ -10,6 +10,7 @@ from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import windows_of
+from harness.identify.selection.beam_roughness import with_beam_roughness
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
@@ -24,10 +25,12 @@ class Selection:
     """Result of the search.
 
     Attributes:
+        problem: that the fits are of, with the roughness of the beam that the ball's readings tell.
         base, found: fits without and with the selected terms.
         ledger: every decision.
     """
 
+    problem: Problem
     base: Fit
     found: Fit
     ledger: tuple[Line, ...]
@@ -36,25 +39,33 @@ class Selection:
 def search(problem: Problem, progress: Progress = silent, failures: Failures | None = None) -> Selection:
     """Select the terms that the recordings require beside the known effects.
 
+    Where the ball tells after the first of them that the beam moves more roughly than its angle's readings show, the
+    search begins anew with such a beam.
+
     Args:
         failures: collects candidates and steps that raise, without which the search goes on; `None` lets them raise.
     """
     ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
-    found = _by_likelihood(problem, base, ledger, progress)
+    begun = ledger.attempt("first round", lambda: first_round(problem, base, ledger, progress), Round())
+    rougher = ledger.attempt(
+        "roughness of the beam", lambda: with_beam_roughness(problem, begun.kept or base, progress), problem
+    )
+    if rougher is not problem:
+        return search(rougher, progress, failures)
+    found = _by_likelihood(problem, base, begun, ledger, progress)
     windows = windows_of(problem.recordings)
     if ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors", lambda: search_by_held_out_errors(problem, *chosen, ledger, progress), chosen
         )
-    return Selection(base, found, tuple(ledger.lines))
+    return Selection(problem, base, found, tuple(ledger.lines))
 
 
-def _by_likelihood(problem: Problem, base: Fit, ledger: Ledger, progress: Progress) -> Fit:
+def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, progress: Progress) -> Fit:
     """The fit that stepwise selection and spline terms lead to; of the former one round if it can explain little."""
     criterion = ledger.criterion
-    begun = ledger.attempt("first round", lambda: first_round(problem, base, ledger, progress), Round())
     first, quick = begun.kept or base, None
     if not criterion.at_noise_floor(problem, first):
         quick = ledger.attempt("quick search", lambda: without_stepwise(problem, base, first, progress), None)

@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import Settings
 from harness.identify.record import LedgerRecord, SourcesRecord
 from harness.identify.selection.criterion import Criterion, Rule
@@ -25,42 +24,40 @@ INPUTS = SourcesRecord(hashes={"rec_01.csv": "0123"}, versions={"numpy": "2.0"})
 
 
 @pytest.fixture(scope="module")
-def searched(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Selection]:
+def searched(tmp_path_factory: pytest.TempPathFactory) -> Selection:
     """A search that finds two effects, and so keeps, swaps and drops some."""
     problem = pose(tmp_path_factory.mktemp("two") / "case", 0, HIDDEN).problem
-    return problem, search(problem)
+    return search(problem)
 
 
 @pytest.fixture(scope="module")
-def kept(searched: tuple[Problem, Selection]) -> dict[str, Any]:
+def kept(searched: Selection) -> dict[str, Any]:
     """Its record, through JSON and back."""
-    return json.loads(ledger_record(*searched, INPUTS).model_dump_json())
+    return json.loads(ledger_record(searched, INPUTS).model_dump_json())
 
 
-def test_every_line_is_decided_by_the_criterion(searched: tuple[Problem, Selection]) -> None:
+def test_every_line_is_decided_by_the_criterion(searched: Selection) -> None:
     """Come to every decision, gain and reason from the line's own fits and evidence."""
-    problem, selection = searched
-    criterion = Criterion(problem.settings)
-    for line in selection.ledger:
+    criterion = Criterion(searched.problem.settings)
+    for line in searched.ledger:
         assert criterion.decide(line.rule, line.fit, line.against, line.evidence) == line.decision
         assert set(line.beside) <= set(line.against.hypothesis.names) & set(line.fit.hypothesis.names)
         assert not set(line.beside) & set(line.effects)
 
 
-def test_the_search_adds_drops_and_swaps(searched: tuple[Problem, Selection]) -> None:
+def test_the_search_adds_drops_and_swaps(searched: Selection) -> None:
     """Hold each of two effects against none and against all others, and find both."""
-    selection = searched[1]
-    assert {Rule.ADD, Rule.DROP, Rule.SWAP} <= {line.rule for line in selection.ledger}
-    assert set(selection.found.hypothesis.names) == set(HIDDEN)
+    assert {Rule.ADD, Rule.DROP, Rule.SWAP} <= {line.rule for line in searched.ledger}
+    assert set(searched.found.hypothesis.names) == set(HIDDEN)
 
 
-def test_the_same_inputs_replay_to_nothing(searched: tuple[Problem, Selection], kept: dict[str, Any]) -> None:
+def test_the_same_inputs_replay_to_nothing(searched: Selection, kept: dict[str, Any]) -> None:
     """Find every hash, deviance and decision again."""
-    done = replay(LedgerRecord.model_validate(kept), searched[0])
+    done = replay(LedgerRecord.model_validate(kept), searched.problem)
     assert done.mismatches == ()
     # the same code on the same processor sums the same terms in the same order
     assert done.largest == 0.0
-    assert done.attempts == len(searched[1].ledger)
+    assert done.attempts == len(searched.ledger)
 
 
 def rehashed(line: dict[str, Any]) -> None:
@@ -123,25 +120,25 @@ def _version(record: dict[str, Any]) -> str:
 
 @pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _reason, _hash, _mass, _threshold, _version])
 def test_what_was_changed_is_named(
-    searched: tuple[Problem, Selection], kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
+    searched: Selection, kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
 ) -> None:
     """Name what no longer comes out, or the hash that no longer fits."""
     record = copy.deepcopy(kept)
     text = forge(record)
-    said = [one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches]
+    said = [one.what for one in replay(LedgerRecord.model_validate(record), searched.problem).mismatches]
     assert any(text in one for one in said), said
 
 
 @pytest.mark.parametrize("rule", [Rule.ADD, Rule.DROP, Rule.SWAP])
-def test_every_kind_of_decision_is_decided_anew(
-    searched: tuple[Problem, Selection], kept: dict[str, Any], rule: Rule
-) -> None:
+def test_every_kind_of_decision_is_decided_anew(searched: Selection, kept: dict[str, Any], rule: Rule) -> None:
     """Notice of each rule that a decision was turned round, hashes and all."""
     record = copy.deepcopy(kept)
     line = next(line for line in record["ledger"] if line["rule"] == rule)
     line["kept"] = not line["kept"]
     rehashed(line)
-    assert any("recorded as" in one.what for one in replay(LedgerRecord.model_validate(record), searched[0]).mismatches)
+    assert any(
+        "recorded as" in one.what for one in replay(LedgerRecord.model_validate(record), searched.problem).mismatches
+    )
 
 
 def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
@@ -152,12 +149,12 @@ def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, A
 
 
 @pytest.mark.slow
-def test_a_search_that_began_again_replays(searched: tuple[Problem, Selection]) -> None:
+def test_a_search_that_began_again_replays(searched: Selection) -> None:
     """Decide again a search that tried a runner-up as well, and held both ends against each other."""
     # as if much were left: nothing counts as explained, any runner-up may begin, and spline terms never pay
     never = Settings(at_floor_ratio=0.0, restart_share=0.0, restart_slack=1e9, spline_keep=1e9)
-    problem = replace(searched[0], settings=never)
+    problem = replace(searched.problem, settings=never)
     selection = search(problem)
     assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}
-    record = ledger_record(problem, selection, INPUTS)
+    record = ledger_record(selection, INPUTS)
     assert replay(record, problem).mismatches == ()

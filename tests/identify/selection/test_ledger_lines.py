@@ -104,7 +104,7 @@ def problem() -> Problem:
 def recorded(problem: Problem, *lines: Line) -> LedgerRecord:
     """The record of a selection with these lines."""
     inputs = SourcesRecord(hashes={"rec_01.csv": "0123"}, versions={"numpy": "2.0"})
-    return ledger_record(problem, Selection(BASE, BOTH, lines), inputs)
+    return ledger_record(Selection(problem, BASE, BOTH, lines), inputs)
 
 
 def test_a_record_says_what_determines_the_fits(problem: Problem) -> None:
