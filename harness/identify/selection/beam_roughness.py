@@ -19,13 +19,13 @@ from harness.identify.selection.criterion import Criterion
 from harness.progress import Progress, silent
 
 _FACTORS = (10.0**0.5, 10.0, 10.0**1.5, 100.0)  # densities that differ by less make no difference to any innovation
-_LEAST = 4.0  # decrease of the deviance for which a larger factor is taken: that of two standard errors
+_LEAST = 4.0  # decrease of the deviance from which a factor is taken: that of two standard errors
 _ABOVE = 2.0  # times its lower bound, above which process noise stands for something
 _CLOSE = 0.05  # of the log density of the process noise
 
 
 def with_beam_roughness(problem: Problem, found: Fit, progress: Progress = silent) -> Problem:
-    """The same problem with the least rough beam that the ball's readings do not contradict, often the problem itself.
+    """The same problem with a rougher beam if the ball's readings tell so, else the problem itself.
 
     Nothing is estimated where `found` needs no process noise, nor where it needs so much that physics is missing, nor
     where it has been.
@@ -39,7 +39,8 @@ def with_beam_roughness(problem: Problem, found: Fit, progress: Progress = silen
     progress("roughness of the beam's motion")
     posed = [problem, *(problem.rougher(factor) for factor in _FACTORS)]
     reached = [found.deviance, *(_lowest_deviance(rougher, found) for rougher in posed[1:])]
-    return next(one for one, at in zip(posed, reached, strict=True) if at <= min(reached) + _LEAST)
+    lowest = min(reached)
+    return posed[reached.index(lowest)] if lowest < found.deviance - _LEAST else problem
 
 
 def _lowest_deviance(problem: Problem, found: Fit) -> float:

@@ -1,0 +1,91 @@
+"""The roughness of the beam's motion that the ball tells."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analytic.rig import Rig
+from harness.identify.estimate.fit import Fit, fit
+from harness.identify.pose import problem_of
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem
+from harness.identify.selection.beam_roughness import with_beam_roughness
+from harness.identify.selection.search import search
+from harness.recording import load_case
+from harness.simulator import bundled
+from harness.simulator.plant import Plant
+from harness.simulator.protocol import Controller, Sensors, perform, recording_text
+from harness.simulator.servo import Servo
+from tests.posed import pose
+
+RESISTANCE = "rolling_resistance"
+SEED = 5000  # of moves and noise: a rig on which a play seems to act
+
+
+def followed(folder: Path, seed: int) -> Problem:
+    """Two recordings of a controller that follows a noisy position, on a rig with an encoder of 4096 counts."""
+    plant = Plant(rig=Rig(level_angle=bundled.LEVEL_ANGLE), rolling_resistance=bundled.ROLLING_RESISTANCE)
+    for number, (name, protocol) in enumerate(bundled.PROTOCOLS.items()):
+        _, record = perform(protocol, plant, Servo(), Controller(), Sensors(), seed + number)
+        (folder / name).write_text(recording_text(record), encoding="utf-8")
+    (folder / "rig.toml").write_text(bundled.rig_text(), encoding="utf-8")
+    return problem_of(load_case(folder))
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Problem, Fit]:
+    """Such a rig, and the fit of what acts there."""
+    problem = followed(tmp_path_factory.mktemp("shaken"), SEED)
+    return problem, fit(problem, Hypothesis((RESISTANCE,)))
+
+
+def test_the_ball_tells_that_the_beam_moves_within_its_counts(shaken: tuple[Problem, Fit]) -> None:
+    """Find a rougher beam, which needs less process noise and follows the ball's readings better."""
+    problem, found = shaken
+    rougher = with_beam_roughness(problem, found)
+    assert rougher.roughness > 1.0
+    again = fit(rougher, found.hypothesis)
+    assert again.deviance < found.deviance - 4.0  # the decrease for which it is taken, which a new fit does not lose
+    assert again.process_noise < 0.5 * found.process_noise
+
+
+def test_a_rougher_beam_leaves_nothing_for_a_play_to_explain(shaken: tuple[Problem, Fit]) -> None:
+    """Gain less by a play that is not there than what makes an effect believed, and more without the roughness."""
+    problem, found = shaken
+    before, after = (
+        fit(one, Hypothesis((RESISTANCE,))).deviance - fit(one, Hypothesis((RESISTANCE, "linkage_backlash"))).deviance
+        for one in (problem, with_beam_roughness(problem, found))
+    )
+    assert before > 14.0 > after  # 14: a parameter's price ln n = 8 of 2800 readings, and 6 that are asked beyond
+
+
+def test_no_roughness_is_estimated_where_no_process_noise_is_needed(tmp_path: Path) -> None:
+    """Leave a problem as it is whose fit explains the readings by the angle's error alone."""
+    problem = pose(tmp_path / "case", 5).problem
+    base = fit(problem, Hypothesis())
+    assert base.process_noise < 2.0 * problem.least_process_noise
+    assert with_beam_roughness(problem, base) is problem
+
+
+def test_no_roughness_is_estimated_where_physics_is_missing(tmp_path: Path) -> None:
+    """Leave a problem as it is where a strong damping is in the recordings and not in the model."""
+    problem = pose(tmp_path / "case", 6, {"viscous_damping": {"coefficient": 0.03}}).problem
+    assert with_beam_roughness(problem, fit(problem, Hypothesis())) is problem
+
+
+def test_roughness_is_estimated_once(shaken: tuple[Problem, Fit]) -> None:
+    """Leave a problem as it is whose roughness is known."""
+    problem, found = shaken
+    rougher = problem.rougher(10.0)
+    assert with_beam_roughness(rougher, found) is rougher
+
+
+def test_a_search_begins_anew_with_the_roughness(shaken: tuple[Problem, Fit]) -> None:
+    """Name the resistance alone, and return the problem that the fits are of."""
+    problem = shaken[0]
+    selection = search(problem)
+    assert selection.problem.roughness > 1.0
+    assert selection.found.hypothesis.names == (RESISTANCE,)
+    assert selection.problem.recordings[0].drive.std[:, 0].mean() > problem.recordings[0].drive.std[:, 0].mean()
