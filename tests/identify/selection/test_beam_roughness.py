@@ -64,7 +64,7 @@ def test_a_rougher_beam_leaves_nothing_for_a_play_to_explain(shaken: tuple[Probl
 def test_no_roughness_is_estimated_where_no_process_noise_is_needed(tmp_path: Path) -> None:
     """Leave a problem as it is whose fit explains the readings by the angle's error alone."""
     problem = pose(tmp_path / "case", 5).problem
-    base = fit(problem, Hypothesis())
+    base = fit(problem, Hypothesis(()))
     assert base.process_noise < 2.0 * problem.least_process_noise
     assert with_beam_roughness(problem, base) is problem
 
@@ -72,7 +72,7 @@ def test_no_roughness_is_estimated_where_no_process_noise_is_needed(tmp_path: Pa
 def test_no_roughness_is_estimated_where_physics_is_missing(tmp_path: Path) -> None:
     """Leave a problem as it is where a strong damping is in the recordings and not in the model."""
     problem = pose(tmp_path / "case", 6, {"viscous_damping": {"coefficient": 0.03}}).problem
-    assert with_beam_roughness(problem, fit(problem, Hypothesis())) is problem
+    assert with_beam_roughness(problem, fit(problem, Hypothesis(()))) is problem
 
 
 def test_roughness_is_estimated_once(shaken: tuple[Problem, Fit]) -> None:
