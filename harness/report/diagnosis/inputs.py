@@ -17,11 +17,29 @@ def section(account: Account) -> Section:
         "rig": _rig(account),
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
+        "colour": _colour(account),
+        "roughness": _roughness(account),
         "findings": account.record.findings,
         "versions": account.record.inputs.versions,
         "command": account.command,
     }
     return Section("inputs", "Inputs", "Inputs", "diagnosis/inputs.html", context)
+
+
+def _colour(account: Account) -> str:
+    """What of the reading noise is coloured; empty for white noise."""
+    colour = account.diagnosis.problem.colour
+    if colour.share == 0.0:
+        return ""
+    return f"{number(100.0 * colour.share, 2)} % of its variance correlated over {number(1e3 * colour.time, 2)} ms"
+
+
+def _roughness(account: Account) -> str:
+    """By how much the beam moves more roughly than its angle's readings show; empty where it does not."""
+    factor = account.diagnosis.problem.roughness
+    if factor == 1.0:
+        return ""
+    return f"third derivative {number(factor, 2)} times as dense as the angle's readings tell, by the ball's readings"
 
 
 def _recordings(account: Account) -> Table:
