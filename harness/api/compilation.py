@@ -148,7 +148,7 @@ def _compare(case: Path) -> None:
 
 def _diagnose(folder: Path, case: Path) -> None:
     from harness.api.diagnosis import diagnose
-    from harness.identify.estimate.free_run_fit import FreeRuns
+    from harness.identify.estimate.window_runs import FreeRuns
     from harness.identify.pose import problem_of
     from harness.identify.problem.hypothesis import NOTHING
     from harness.identify.problem.windows import fitted_windows

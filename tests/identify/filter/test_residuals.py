@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.free_run_fit import FreeRuns, _jacobian, _point
+from harness.identify.estimate.free_run_fit import _jacobian, _point
+from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.filter import residuals as module
 from harness.identify.filter.residuals import Residuals
 from harness.identify.pose import problem_of
