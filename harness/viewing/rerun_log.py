@@ -38,6 +38,7 @@ DRIVE, READING = f"{ANGLE}/smoothed", f"{ANGLE}/recorded"
 NOT_TRUSTED = f"{POSITION}/outliers"
 _WITHOUT_COLOUR = (0.75, 0.30, 0.75)
 _GREY, _DARK = (0.55, 0.58, 0.62), (0.35, 0.37, 0.40)
+_AWAY, _UP = 1.0, 0.3  # of the eye from the middle of the beam, in its lengths
 _SAME_ANGLE = 1e-9  # [rad]: below it the beam of a run is the recorded one, but for rounding
 Colour = tuple[float, float, float]
 
@@ -70,6 +71,12 @@ def name_of_run(playback: Playback, run: int) -> str:
     """Name of a run in a log: engine, that it is simulated, and whether the effects found act in it."""
     kinds = ("as_rig_toml_says",) if len(playback.runs) == 1 else ("without_effects_found", "with_effects_found")
     return f"{playback.engine}_simulated/{kinds[run]}"
+
+
+def title_of_run(playback: Playback, run: int) -> str:
+    """The same in words, short enough for a legend."""
+    kinds = ("as rig.toml says",) if len(playback.runs) == 1 else ("without the effects", "with the effects found")
+    return f"{playback.engine}, simulated, {kinds[run]}"
 
 
 def write_log(setting: Setting, playback: Playback, told: Sequence[Told], about: str, file: Path) -> int:
@@ -153,7 +160,7 @@ class _Log:
     def run(self, number: int) -> None:
         """One run: ball, positions, differences from the recorded ones, and its beam where that is another."""
         run, name = self.playback.runs[number], name_of_run(self.playback, number)
-        title = f"{self.playback.engine}, simulated, {run.name}"
+        title = title_of_run(self.playback, number)
         colour = colour_of(self.playback, number)
         position = at_stamps(run, self.time)
         self._ball(name, title, colour, position, self.rerun.components.FillMode.Solid, 1.0)
@@ -161,7 +168,7 @@ class _Log:
         self._line(f"{POSITION}/{name}", title, colour, self.time[known], position[known])
         both = known & self.trusted
         residual = 1e3 * (position - self.position)[both]
-        self._line(f"{RESIDUAL}/{name}", f"{title} − {self.playback.recorded_name}", colour, self.time[both], residual)
+        self._line(f"{RESIDUAL}/{name}", title, colour, self.time[both], residual)
         beam = run.motion.evaluate(self.time)
         if np.max(np.abs(beam - self.angle)) > _SAME_ANGLE:
             self._line(f"{ANGLE}/{name}", f"beam of {title}", colour, self.time, np.degrees(beam))
@@ -234,18 +241,25 @@ def _layout(playback: Playback) -> Any:
         POSITION: "ball position [m]",
         RESIDUAL: f"engine (simulated) − {playback.recorded_name} [mm]",
     }
-    plots = [views.TimeSeriesView(origin=path, name=title) for path, title in titles.items()]
+    plots = [
+        views.TimeSeriesView(origin=path, name=title, plot_legend=views.PlotLegend("RightTop"))
+        for path, title in titles.items()
+    ]
     channel = playback.channel
     eye = views.EyeControls3D(
-        position=(channel.centre, -1.4 * channel.length, 0.5 * channel.length),
+        position=(channel.centre, -_AWAY * channel.length, _UP * channel.length),
         look_target=(channel.centre, 0.0, channel.edge_height),
         eye_up=(0.0, 0.0, 1.0),
     )
+    kinds = [views.encodings.TextLogColumn(kind) for kind in ("LogLevel", "Body")]
+    columns = views.archetypes.TextLogColumns(text_log_columns=kinds)
     words = views.Tabs(
-        views.TextLogView(origin=EVENTS, name="events"), views.TextDocumentView(origin=ABOUT, name="about")
+        views.TextLogView(origin=EVENTS, name="events", columns=columns),
+        views.TextDocumentView(origin=ABOUT, name="about"),
     )
     rig = views.Spatial3DView(origin="world", name="rig", eye_controls=eye)
     return views.Blueprint(
         views.Horizontal(views.Vertical(rig, words, row_shares=[3, 2]), views.Vertical(*plots), column_shares=[1, 1]),
         views.TimePanel(timeline=TIMELINE, state="collapsed"),
+        views.SelectionPanel(state="collapsed"),
     )

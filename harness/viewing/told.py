@@ -81,7 +81,7 @@ def _of_diagnosis(setting: Setting, begin: float, record: DiagnosisRecord | None
         since, until = first.begin + KNOWN, last.begin + float(last.time[-1])
         without, with_them = ("not known" if one is None else f"{1e3 * one:.1f} mm" for one in errors)
         yield Told(
-            since,
+            max(since, begin) if until > begin else since,
             f"held-out block {number} of {len(blocks)}: {since:.2f} s to {until:.2f} s, which the analytic model, "
             f"fitted without it, predicts with an RMS error of {without} without the effects and {with_them} with them",
         )
