@@ -27,7 +27,7 @@ _KEYS = {
     glfw.KEY_ENTER: "enter",
     glfw.KEY_KP_ENTER: "enter",
 }
-_ASPECT = 1.5  # a little less than that of the window, which the user may change
+_ASPECT = 1.3  # until that of the window is known
 _PATIENCE = 5.0  # for the window to close [s]
 
 
@@ -70,8 +70,12 @@ def _play(viewer: Any, drawing: Drawing, player: Player, pressed: queue.SimpleQu
     )
     with viewer.lock():
         drawing.aim(viewer.cam, _ASPECT)
-    clock = Clock()
+    clock, aimed = Clock(), False
     while viewer.is_running():
+        if not aimed and (aspect := _aspect(viewer)):
+            with viewer.lock():
+                drawing.aim(viewer.cam, aspect)
+            aimed = True
         while not pressed.empty():
             player.press(pressed.get())
         player.advance(clock.tick())
@@ -82,3 +86,9 @@ def _play(viewer: Any, drawing: Drawing, player: Player, pressed: queue.SimpleQu
         told = "\n".join(plain_lines(playback, player, now))
         viewer.set_texts([(font, top, told, ""), (font, bottom, *map("\n".join, keys))])
         viewer.sync()
+
+
+def _aspect(viewer: Any) -> float:
+    """Width of the window over its height; 0 until it has been drawn for the first time, by another thread."""
+    area = viewer.viewport
+    return 0.0 if area is None or area.height <= 0 else area.width / area.height
