@@ -31,6 +31,7 @@ from tests.viewing.shown import column_of, middle_of, orange
 SEED = Path(__file__).parents[2] / "benchmarks" / "fuzz" / "seeds" / "diagnosis.json"
 ENGINES = ("mujoco", "pybullet")
 TITLE = 130  # rows that may have words about the balls, and nothing else, at the top of MuJoCo's window [pixels]
+STANDING = ("--from", "2.49", "--to", "2.5")  # at the end of so little, nothing moves and no text changes
 PIXELS = 3.0  # edges are smoothed or not by the driver; a ball's outline is an ellipse, off its centre by a pixel
 BULLETS_FOV = 90.0  # of the window of PyBullet, which has no setting for it [deg]
 # By how much the ghost is more blue than red, 0 to 255: more than the stand, and than the background, which is 26.
@@ -147,7 +148,7 @@ def test_both_balls_are_seen_and_enter_switches_the_effects(case: Path, engine: 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_window_managers_button_ends_the_command(case: Path, engine: str) -> None:
     """End with 0 and the errors of the runs where the window is closed by its button."""
-    with screen(1280, 720) as on, viewing(on, case, engine) as (process, window):
+    with screen(1280, 720) as on, viewing(on, case, engine, *STANDING) as (process, window):
         within_patience(
             lambda: True if ghost(on.picture(window), engine).sum() > 50 else None, "drawing the recorded ball"
         )
@@ -163,7 +164,7 @@ def test_the_window_managers_button_ends_the_command(case: Path, engine: str) ->
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_terminated_command_takes_its_window_along(case: Path, engine: str) -> None:
     """End with 143 and leave no window."""
-    with screen(1280, 720) as on, viewing(on, case, engine) as (process, window):
+    with screen(1280, 720) as on, viewing(on, case, engine, *STANDING) as (process, window):
         within_patience(
             lambda: True if ghost(on.picture(window), engine).sum() > 50 else None, "drawing the recorded ball"
         )
