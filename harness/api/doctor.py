@@ -7,11 +7,11 @@ import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from ctypes.util import find_library
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import PackageNotFoundError, requires, version
 from multiprocessing import get_context
 from pathlib import Path
@@ -24,6 +24,7 @@ from harness.report.tables import Row, Summarised, Summary, Table, texts
 _DISTRIBUTION = "ball-beam-harness"
 _DISK, _MEMORY = 500e6, 1e9  # [bytes]: a large sweep's scratch files; a diagnosis with its engines
 _PATIENCE = 120.0  # for an engine to load and run ten steps on a busy machine [s]
+_PATIENCE_GRAPHICS = 240.0  # for three kinds of OpenGL contexts, each of which may take a minute [s]
 _OPTIONAL = ("dart",)  # engines that are an extra
 
 
@@ -104,6 +105,7 @@ def _examined() -> Iterator[Finding]:
     for name in ENGINES:
         yield _engine(name)
     yield _graphics()
+    yield from _videos()
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     yield Finding("cores", True, f"{cores} of {os.cpu_count()}")
     yield _memory()
@@ -154,19 +156,78 @@ def run_steps(name: str) -> str:
 
 def _engine(name: str) -> Finding:
     """Whether an engine loads and runs; a crash of its library ends only the process that tried it."""
-    what, needed = f"engine {name}", name not in _OPTIONAL
+    needed = name not in _OPTIONAL
     remedy = "run `make setup`" if needed else "it is optional: `pip install 'ball-beam-harness[dart]'` and libGL.so.1"
+
+    def told(version: str) -> Finding:
+        return Finding(what, True, f"{version}: loads and runs", needed=needed)
+
+    what = f"engine {name}"
+    return _tried(Finding(what, False, "did not run ten steps", remedy, needed), told, _PATIENCE, run_steps, name)
+
+
+def drawing() -> tuple[str, str, str]:
+    """The kind of OpenGL context that draws without a window, why others do not, and what to install if none does."""
+    from harness.viewing.offscreen import REMEDY, try_contexts
+
+    tried = try_contexts()
+    return tried.kind, str(tried), REMEDY
+
+
+def encoder() -> str:
+    """What writes videos.
+
+    Raises:
+        InputError: the packages for it are not installed.
+    """
+    from harness.viewing.film import check_target
+
+    check_target(Path("video.mp4"))
+    return "MP4 and GIF can be written"
+
+
+def _videos() -> Iterator[Finding]:
+    """Whether `harness view --video` works: pictures without a window, and a writer for them."""
+
+    def told(found: tuple[str, str, str]) -> Finding:
+        kind, faults, remedy = found
+        if kind:
+            return Finding(what, True, f"works by {kind}", needed=False)
+        return Finding(what, False, f"no OpenGL context can be made ({faults})", remedy, needed=False)
+
+    what = "offscreen rendering"
+    failed = Finding(what, False, "made no OpenGL context", "see engine mujoco, which draws", needed=False)
+    yield _tried(failed, told, _PATIENCE_GRAPHICS, drawing)
+    failed = Finding(
+        "video encoder",
+        False,
+        "did not load",
+        "`harness view --video` alone needs it",
+        needed=False,
+    )
+    yield _tried(failed, lambda text: Finding("video encoder", True, text, needed=False), _PATIENCE, encoder)
+
+
+def _tried(
+    failed: Finding, told: Callable[[Any], Finding], patience: float, job: Callable[..., Any], *arguments: str
+) -> Finding:
+    """What a job in a process of its own tells, which a crash cannot take down with it.
+
+    Args:
+        failed: what to say if it does not end well; its text is what has not been done when time is up.
+        told: the finding from what the job gives.
+        patience: how long it may take [s].
+        job: a function that a new process can import, and its arguments.
+    """
     pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
     try:
-        return Finding(what, True, f"{pool.submit(run_steps, name).result(_PATIENCE)}: loads and runs", needed=needed)
+        return told(pool.submit(job, *arguments).result(patience))
     except BrokenProcessPool:
-        return Finding(what, False, "crashed the process that ran it", remedy, needed)
+        return replace(failed, text="crashed the process that ran it")
     except TimeoutError:
-        return Finding(
-            what, False, f"did not run ten steps within {_PATIENCE:.0f} s", "try again when less runs", needed
-        )
+        return replace(failed, text=f"{failed.text} within {patience:.0f} s", remedy="try again when less runs")
     except Exception as error:  # whatever a foreign library raises is what the user wants to see
-        return Finding(what, False, str(error) or type(error).__name__, remedy, needed)
+        return replace(failed, text=str(error) or type(error).__name__)
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 

@@ -1,4 +1,4 @@
-"""Shows a recording with an engine's run over it, in a window or as a video."""
+"""Shows a recording with an engine's run over it, in a window, as a video, or as a log for the Rerun viewer."""
 
 from __future__ import annotations
 
@@ -55,8 +55,10 @@ class View(Summarised):
         begin: time of the recording from which on it was shown [s].
         end: time until which it was shown [s].
         runs: as rig.toml says, then with the effects of a diagnosis, if one was given.
-        video: the file that was written; `None` after a window.
-        frames: number of those of the video; 0 after a window, as the following.
+        video: the video that was written; `None` if none was.
+        log: the log for Rerun that was written; `None` if none was.
+        stamps: number of those in the log; 0 if none was written.
+        frames: number of those of the video; 0 if none was written, as the following.
         frames_per_s: how many are shown in a second [1/s].
         width: of the video [px].
         height: of the video [px].
@@ -70,6 +72,8 @@ class View(Summarised):
     end: float
     runs: tuple[ViewedRun, ...]
     video: Path | None
+    log: Path | None
+    stamps: int
     frames: int
     frames_per_s: int
     width: int
@@ -78,25 +82,13 @@ class View(Summarised):
 
     def content(self) -> dict[str, Any]:
         """As JSON."""
-        plain = ("recording", "engine", "begin", "end", "runs", "frames", "frames_per_s", "width", "height")
-        told = {name: getattr(self, name) for name in plain}
-        return {"origin": self.case.origin, "video": None if self.video is None else str(self.video), **told}
+        plain = ("recording", "engine", "begin", "end", "runs", "stamps", "frames", "frames_per_s", "width", "height")
+        files = {name: None if file is None else str(file) for name, file in (("video", self.video), ("log", self.log))}
+        return {"origin": self.case.origin, **files, **{name: getattr(self, name) for name in plain}}
 
     def summary(self) -> Summary:
         """What was shown, and the errors of each run."""
-        recorded = "recorded (simulated)" if self.case.simulated else "measured"
-        lines = [f"{self.engine}, simulated, beside the {recorded} ball of {self.recording}"]
-        since = self.playback.runs[0].time[0]
-        rows = [(one.name, number(1e3 * one.rms_m), number(1e3 * one.max_m)) for one in self.runs]
-        lines += [
-            f"{one.name}: the ball lifts off the beam at {one.lifted_off_s:.2f} s, and the run ends there"
-            for one in self.runs
-            if one.lifted_off_s is not None
-        ]
-        columns = [*texts("run"), "RMS error [mm]", "max error [mm]"]
-        return Summary(
-            f"View of {self.case.path}", lines, [Table(f"One free run from {since:.2f} s on", columns, rows)]
-        )
+        return _summary(self.case, self.recording, self.playback, self.runs)
 
 
 def view(
@@ -106,6 +98,7 @@ def view(
     recording: str | None = None,
     diagnosis: LoadedDiagnosis | str | Path | None = None,
     video: str | Path | None = None,
+    rerun: str | Path | None = None,
     speed: float = 1.0,
     begin: float | None = None,
     end: float | None = None,
@@ -114,7 +107,7 @@ def view(
     force: bool = False,
     progress: bool | Progress = False,
 ) -> View:
-    """Show an engine's run over a recording, and the recorded ball as a ghost, in a window or as a video.
+    """Show an engine's run over a recording, and the recorded ball, in a window, as a video or as a log for Rerun.
 
     The engine runs over the whole recording first, with the checks of every run; then it is played back.
 
@@ -123,27 +116,36 @@ def view(
         engine: `mujoco`, `pybullet` or `dart`.
         recording: which one of the case; the first to identify from if none is named.
         diagnosis: a diagnosis, a diagnosis.json or its folder; the effects found act in a second run.
-        video: .mp4 or .gif to write; a window is opened if none is given, and the call ends when it is closed.
-        speed: recorded seconds a second.
+        video: .mp4 or .gif to write; without it and `rerun` a window is opened, and the call ends when it is closed.
+        rerun: .rrd to write, a log for the Rerun viewer; needs the extra `rerun`, and excludes `video`.
+        speed: recorded seconds a second, of a window or a video.
         begin: from when on to show the recording, in its own time [s]; from its beginning if not given.
         end: until when; to its end if not given.
         settings: contact parameters of the engine, as in `{"friction": 0.3}`.
         effects: effects of your own that rig.toml or the diagnosis names, as Python files or as `Effect` objects.
-        force: replace a video that no view wrote, or that has been changed since, too.
+        force: replace a file that no view wrote, or that has been changed since, too.
         progress: show a bar on stderr, or a function to be told.
 
     Raises:
         InputError: anything given cannot be used, or there is no display or no OpenGL; nothing has been written then.
         EngineFailure: the engine gave no trustworthy run; likewise.
     """
-    from harness.viewing.film import HEIGHT, RATES, WIDTH, check_target, times_of, write_film
+    from harness.viewing.film import HEIGHT, RATES, WIDTH, check_target
+    from harness.viewing.rerun_log import check_log_target
     from harness.viewing.windows import check_display, window_of
 
     if not (math.isfinite(speed) and speed > 0.0):
         raise InputError(f"speed: {speed:g} is not a positive number of recorded seconds a second")
-    target = None if video is None else Path(video)
+    if video is not None and rerun is not None:
+        raise InputError("a video and a log for Rerun are written by a call each: drop --video or --rerun")
+    if rerun is not None and speed != 1.0:
+        raise InputError("a log for Rerun has the recording's own time, and its viewer a speed: drop --speed")
+    target = None if video is rerun is None else Path(video if video is not None else rerun)  # type: ignore[arg-type]
+    rate = 0
     if target is None:
         check_display()
+    elif rerun is not None:
+        check_log_target(target)
     else:
         rate = RATES[check_target(target)]
     given = effects or (diagnosis.own_effects if isinstance(diagnosis, LoadedDiagnosis) else ())
@@ -155,12 +157,13 @@ def view(
         with nullcontext() if target is None else _writing(target, inputs, force) as scratch:
             tell("drive and measured state", share=0.0)
             setting, playback = _played(case, engine, recording, found, settings or {}, (begin, end), tell)
-            times: list[float] = []
+            count = 0
             if target is not None and scratch is not None:
-                times = times_of(playback, speed, rate)
-                write_film(
-                    playback, scratch / target.name, times, speed=speed, rate=rate, progress=Stage(tell, 0.3, 1.0, 1)
-                )
+                file = scratch / target.name
+                if rate:
+                    count = _film(playback, file, speed, rate, Stage(tell, 0.3, 1.0, 1))
+                else:
+                    count = _log(setting, playback, found, file)
                 told = {"command": "view", "recording": {setting.recording.name: setting.recording.sha256}}
                 kept = sealed_json({**told, "files": hashes_of(scratch)})
                 (scratch / _record(target)).write_text(kept, encoding="utf-8")
@@ -173,13 +176,34 @@ def view(
         playback.begin,
         playback.end,
         _viewed(playback),
-        target,
-        len(times),
-        0 if target is None else rate,
-        0 if target is None else WIDTH,
-        0 if target is None else HEIGHT,
-        playback,
+        video=target if rate else None,
+        log=target if rerun is not None else None,
+        stamps=0 if rate else count,
+        frames=count if rate else 0,
+        frames_per_s=rate,
+        width=WIDTH if rate else 0,
+        height=HEIGHT if rate else 0,
+        playback=playback,
     )
+
+
+def _film(playback: Playback, file: Path, speed: float, rate: int, progress: Progress) -> int:
+    """Write a video; the number of its frames."""
+    from harness.viewing.film import times_of, write_film
+
+    times = times_of(playback, speed, rate)
+    write_film(playback, file, times, speed=speed, rate=rate, progress=progress)
+    return len(times)
+
+
+def _log(setting: Setting, playback: Playback, found: LoadedDiagnosis | None, file: Path) -> int:
+    """Write a log for Rerun; the number of its stamps."""
+    from harness.viewing.rerun_log import write_log
+    from harness.viewing.told import told_of
+
+    told = told_of(setting, playback, None if found is None else found.record)
+    about = _summary(setting.case, setting.recording.name, playback, _viewed(playback))
+    return write_log(setting, playback, told, str(about.text()), file)
 
 
 def _record(target: Path) -> str:
@@ -246,3 +270,17 @@ def _open(window: Any, playback: Playback, speed: float) -> None:
     from harness.viewing.player import Player
 
     window(playback, Player(playback.begin, playback.end, len(playback.runs), speed))
+
+
+def _summary(case: CheckedCase, recording: str, playback: Playback, runs: Sequence[ViewedRun]) -> Summary:
+    """What was shown, and the errors of each run."""
+    lines = [f"{playback.engine}, simulated, beside the {playback.recorded_name} ball of {recording}"]
+    lines += [
+        f"{one.name}: the ball lifts off the beam at {one.lifted_off_s:.2f} s, and the run ends there"
+        for one in runs
+        if one.lifted_off_s is not None
+    ]
+    since = playback.runs[0].time[0]
+    rows = [(one.name, number(1e3 * one.rms_m), number(1e3 * one.max_m)) for one in runs]
+    columns = [*texts("run"), "RMS error [mm]", "max error [mm]"]
+    return Summary(f"View of {case.path}", lines, [Table(f"One free run from {since:.2f} s on", columns, rows)])

@@ -10,10 +10,10 @@ import click
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 def doctor(as_json: bool) -> None:
-    """Examine this machine: versions, engines (each runs some steps), OpenGL, cores, memory, caches, disk.
+    """Examine this machine: versions, engines (each runs some steps), OpenGL, videos, cores, memory, caches, disk.
 
     Every line that is not ok says what to do. The exit code is 1 if something that is needed does not work, such as an
-    engine that does not load; DART is optional.
+    engine that does not load; DART and what `harness view --video` needs are optional.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""`harness view`: an engine's run over a recording, in a window or as a video."""
+"""`harness view`: an engine's run over a recording, in a window, as a video or as a log for the Rerun viewer."""
 
 from __future__ import annotations
 
@@ -22,6 +22,12 @@ _PATH = PathType()
     type=_PATH,
     metavar="FILE",
     help="Write a video, .mp4 or .gif, instead of opening a window; needs no display.",
+)
+@click.option(
+    "--rerun",
+    type=_PATH,
+    metavar="FILE",
+    help="Write a log for the Rerun viewer, .rrd, instead of opening a window; needs the extra `rerun`.",
 )
 @click.option(
     "--speed",
@@ -50,7 +56,7 @@ _PATH = PathType()
     help="Contact parameters from a TOML file, such as `harness tune` writes; --set wins.",
 )
 @click.option(
-    "--force", is_flag=True, help="Replace a video that this command did not write, or that has been changed since."
+    "--force", is_flag=True, help="Replace a file that this command did not write, or that has been changed since."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout.")
 @quiet_option
@@ -68,7 +74,8 @@ def view(
     The engine runs over the whole recording first; then the run is played back in the viewer of MuJoCo (of PyBullet for
     its own runs), or written as a video of 960 × 540 pixels. Keys: space pauses, left and right go back and on, up and
     down change the speed, home begins anew, enter switches effects on and off. In a video the runs without and with
-    effects are one above the other.
+    effects are one above the other. A log (--rerun) has the beam with all balls, plots of angle, positions and
+    residuals, and what happens in words; `rerun FILE` opens it.
 
     \b
     Examples:
@@ -76,6 +83,7 @@ def view(
       harness view my_rig/ --engine pybullet --recording swing_02.csv --speed 0.5
       harness view my_rig/ --effects reports/my_rig/ --video my_rig.mp4
       harness view paper_protocol --from 2 --to 6 --video clip.gif
+      harness view my_rig/ --effects reports/my_rig/ --rerun my_rig.rrd
     """
     from harness.api.outputs import to_json
     from harness.api.view import view as show
@@ -105,3 +113,5 @@ def view(
         click.echo(str(made.summary().text()))
     if made.video is not None:
         click.echo(f"video: {made.video} ({made.frames} frames, {made.frames / made.frames_per_s:.1f} s)")
+    if made.log is not None:
+        click.echo(f"log: {made.log} ({made.stamps} stamps); open it with: rerun {made.log}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import sys
 import threading
@@ -27,7 +28,8 @@ _KEYS = {
     glfw.KEY_ENTER: "enter",
     glfw.KEY_KP_ENTER: "enter",
 }
-_ASPECT = 1.5  # a little less than that of the window, which the user may change
+_ASPECT = 1.3  # until that of the window is known
+_TEXT_INTERVAL = 0.1  # between two changes of the text [s]
 _PATIENCE = 5.0  # for the window to close [s]
 
 
@@ -70,15 +72,31 @@ def _play(viewer: Any, drawing: Drawing, player: Player, pressed: queue.SimpleQu
     )
     with viewer.lock():
         drawing.aim(viewer.cam, _ASPECT)
-    clock = Clock()
+    clock, aimed, since, written = Clock(), False, math.inf, ""
     while viewer.is_running():
+        if not aimed and (aspect := _aspect(viewer)):
+            with viewer.lock():
+                drawing.aim(viewer.cam, aspect)
+            aimed = True
         while not pressed.empty():
             player.press(pressed.get())
-        player.advance(clock.tick())
+        passed = clock.tick()
+        player.advance(passed)
+        since += passed
         with viewer.lock():
             now = drawing.place(player.run, player.time)
             viewer.user_scn.ngeom = 0
             drawing.add_ghost(viewer.user_scn)
         told = "\n".join(plain_lines(playback, player, now))
-        viewer.set_texts([(font, top, told, ""), (font, bottom, *map("\n".join, keys))])
+        # MuJoCo (4.0) waits for the texts before to be drawn, and crashes where the window is closed meanwhile: so it
+        # is given none that says the same, and others seldom.
+        if told != written and since > _TEXT_INTERVAL and viewer.is_running():
+            viewer.set_texts([(font, top, told, ""), (font, bottom, *map("\n".join, keys))])
+            written, since = told, 0.0
         viewer.sync()
+
+
+def _aspect(viewer: Any) -> float:
+    """Width of the window over its height; 0 until it has been drawn for the first time, by another thread."""
+    area = viewer.viewport
+    return 0.0 if area is None or area.height <= 0 else area.width / area.height

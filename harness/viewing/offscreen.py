@@ -8,7 +8,8 @@ import importlib
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -19,6 +20,7 @@ from harness.errors import InputError
 from harness.viewing.drawing import Drawing
 
 KINDS = ("egl", "osmesa", "glfw")
+REMEDY = "install libegl1 and libgl1-mesa-dri, or libosmesa6 (Debian: apt-get install libegl1 libgl1-mesa-dri)"
 _PATIENCE = 60.0  # for a context to be made on a busy machine [s]
 # A library without a driver may end its process, so each kind is tried in one of its own, without its clean-up.
 _TRIAL = (
@@ -28,16 +30,27 @@ _TRIAL = (
 Picture = NDArray[np.uint8]
 
 
-@functools.cache
-def kind_of_context() -> str:
-    """The first kind of OpenGL context that works here, `MUJOCO_GL` alone if that is set to one.
+@dataclass(frozen=True)
+class Tried:
+    """Which kinds of OpenGL contexts were tried.
 
-    Raises:
-        InputError: none does.
+    Attributes:
+        kind: the first that works; empty if none does.
+        faults: why those before it do not.
     """
+
+    kind: str
+    faults: Mapping[str, str]
+
+    def __str__(self) -> str:
+        return "; ".join(f"{kind}: {fault}" for kind, fault in self.faults.items())
+
+
+def try_contexts() -> Tried:
+    """Make a context of each kind, or of `MUJOCO_GL` alone if that is one, in a process of its own until one works."""
     asked = os.environ.get("MUJOCO_GL", "").lower()
     kinds = (asked,) if asked in KINDS else KINDS
-    faults = {}
+    faults: dict[str, str] = {}
     for kind in kinds:
         environment = {name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}
         command = [sys.executable, "-c", _TRIAL.format(kind=kind)]
@@ -55,13 +68,22 @@ def kind_of_context() -> str:
             faults[kind] = type(error).__name__
             continue
         if done.returncode == 0:
-            return kind
+            return Tried(kind, faults)
         faults[kind] = (done.stderr.strip().splitlines() or [f"ended with {done.returncode}"])[-1]
-    told = "; ".join(f"{kind}: {fault}" for kind, fault in faults.items())
-    raise InputError(
-        f"no OpenGL works here to draw without a window ({told}); install libegl1 and libgl1-mesa-dri, or libosmesa6 "
-        "(Debian: apt-get install libegl1 libgl1-mesa-dri)"
-    )
+    return Tried("", faults)
+
+
+@functools.cache
+def kind_of_context() -> str:
+    """The first kind of OpenGL context that works here, of those that `try_contexts` tries.
+
+    Raises:
+        InputError: none does.
+    """
+    tried = try_contexts()
+    if not tried.kind:
+        raise InputError(f"no OpenGL works here to draw without a window ({tried}); {REMEDY}")
+    return tried.kind
 
 
 @contextlib.contextmanager

@@ -7,8 +7,6 @@ import tempfile
 from pathlib import Path
 
 from harness.engines.pybullet import pybullet
-from harness.engines.stderr import without_output
-from harness.errors import InputError
 from harness.viewing.drawing import ENGINE_COLOUR, GHOST_COLOUR, GHOST_OPACITY, GHOST_SIZE
 from harness.viewing.playback import Playback, Vector, centre_of, turned_by
 from harness.viewing.player import Player, keys_told
@@ -30,24 +28,23 @@ _ABOVE, _BELOW, _LINE = 0.17, -0.045, 0.02  # height of texts above the beam's n
 _TEXT_INTERVAL = 0.1  # between two changes of the text, which PyBullet draws anew each time [s]
 
 
-def show(playback: Playback, player: Player) -> None:
-    """Show a playback until the window is closed.
+def play(playback: Playback, player: Player) -> bool:
+    """Show a playback until the window is closed with Esc; whether it opened.
 
-    Raises:
-        InputError: PyBullet's window does not open here.
+    Where a window manager closes the window, Xlib ends the process (`harness.viewing.pybullet_process`).
     """
-    with without_output():  # where JSON may go, PyBullet writes what OpenGL it has found
-        client = pybullet.connect(pybullet.GUI)
-        if client < 0:
-            raise InputError("PyBullet's window does not open here: give --video out.mp4")
-        try:
-            _play(_Window(playback, client), player)
-        except pybullet.error:  # the window was closed within a frame
-            if pybullet.isConnected(client):
-                raise
-        finally:
-            if pybullet.isConnected(client):
-                pybullet.disconnect(client)
+    client = pybullet.connect(pybullet.GUI)
+    if client < 0:
+        return False
+    try:
+        _play(_Window(playback, client), player)
+    except pybullet.error:  # the window was closed within a frame
+        if pybullet.isConnected(client):
+            raise
+    finally:
+        if pybullet.isConnected(client):
+            pybullet.disconnect(client)
+    return True
 
 
 def _play(window: _Window, player: Player) -> None:

@@ -46,7 +46,7 @@ def check_display() -> None:
 def window_of(engine: str) -> Window:
     """The window for an engine's runs: PyBullet's for its own, MuJoCo's for all others."""
     if engine == "pybullet":
-        from harness.viewing.pybullet_window import show
+        from harness.viewing.pybullet_process import show
     else:
         from harness.viewing.mujoco_window import show
     return show

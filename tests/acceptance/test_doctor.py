@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,8 @@ from harness.api.doctor import Doctor, Finding
 from harness.cli.completion import SHELLS
 from harness.cli.main import main
 from harness.errors import InputError
+from harness.viewing import offscreen
+from harness.viewing.offscreen import try_contexts
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
 
@@ -30,6 +34,10 @@ def test_this_machine_is_examined(harness: Harness) -> None:
         assert found[name]["ok"], found[name]
         assert "loads and runs" in found[name]["text"]
     assert {"python", "numpy", "OpenGL", "cores", "memory", "cache of kernels", "temporary folder"} <= set(found)
+    assert found["video encoder"]["ok"], found["video encoder"]
+    kind = try_contexts().kind
+    assert found["offscreen rendering"]["ok"] == bool(kind)
+    assert found["offscreen rendering"]["text"].endswith(kind)
 
 
 def test_an_engine_that_does_not_load_is_told(harness: Harness, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -40,6 +48,34 @@ def test_an_engine_that_does_not_load_is_told(harness: Harness, monkeypatch: pyt
     assert done.code == 1
     assert "not ok  engine mujoco" in done.out
     assert "make setup" in done.out
+
+
+def test_where_nothing_can_be_drawn_doctor_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Name the kind of context that failed, and stay fit: only videos need one."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("MUJOCO_GL", "glfw")  # which needs a display
+    rendering, _ = doctor._videos()
+    assert not rendering.ok
+    assert "glfw" in rendering.text
+    assert "libegl1" in rendering.remedy
+    assert Doctor((rendering,)).fit
+
+
+def test_a_driver_that_crashes_ends_only_its_own_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Go on to the next kind, and tell how each process ended."""
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(offscreen, "_TRIAL", "import os; os.abort()  # {kind}")
+    tried = try_contexts()
+    assert tried.kind == ""
+    assert dict(tried.faults) == dict.fromkeys(offscreen.KINDS, f"ended with -{signal.SIGABRT.value}")
+
+
+def test_a_job_that_crashes_is_a_finding() -> None:
+    """Say so, and what to do, where the process that was to examine something is gone."""
+    failed = Finding("drawing", False, "drew nothing", "do something", needed=False)
+    found = doctor._tried(failed, lambda _: Finding("drawing", True, "draws"), 60.0, os.abort)
+    assert found == replace(failed, text="crashed the process that ran it")
 
 
 def test_what_is_optional_does_not_fail() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -13,6 +14,8 @@ import pytest
 from harness.comparison import Choices, prepare
 from harness.comparison.sources import run_engine
 from harness.engines.catalogue import engine_of
+from harness.engines.health import Failure
+from harness.errors import EngineFailure
 from harness.recording import load_case
 from harness.viewing.drawing import AZIMUTH, ELEVATION, FOVY, Drawing
 from harness.viewing.film import HEIGHT, WIDTH
@@ -20,8 +23,10 @@ from harness.viewing.playback import Playback, centre_of
 from harness.viewing.runs import run_without
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
+from tests.viewing.logged import Logged
 from tests.viewing.shown import blue, column_of, middle_of, need_opengl, orange
 
+SEED = Path(__file__).parents[2] / "benchmarks" / "fuzz" / "seeds" / "diagnosis.json"
 TEXT = 110  # rows of a frame that may have dots in the colours of the balls [pixels]
 # A pixel at each end of a ball, as edges are smoothed, and one more, as a video has half the columns of colour: 1.5 mm.
 PIXELS = 2.0
@@ -113,6 +118,10 @@ def test_its_own_video_is_replaced_and_the_answer_is_brief(harness: Harness, tmp
         (("--video", "clip.mp4", "--effects", "a", "--effects", "b"), "more than one diagnosis"),
         (("--video", "clip.mp4", "--set", "pybullet.restitution=0"), "but mujoco runs"),
         (("--video", "clip.mp4", "--speed", "1e-6"), "give a higher --speed"),
+        (("--rerun", "log.mcap"), "written as .rrd"),
+        (("--rerun", "log.rrd", "--video", "clip.mp4"), "drop --video or --rerun"),
+        (("--rerun", "log.rrd", "--speed", "2"), "drop --speed"),
+        (("--rerun", "log.rrd", "--from", 5, "--to", 4), "there is nothing from 5 s to 4 s to show"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(harness: Harness, options: tuple[object, ...], said: str) -> None:
@@ -129,3 +138,65 @@ def test_times_are_plain_numbers(harness: Harness) -> None:
     done = harness("view", "paper_protocol", "--from", "1_0")
     assert done.code == 2
     assert "'1_0' is not a finite number" in done.err
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_a_log_has_the_recorded_ball_and_both_runs(
+    harness: Harness, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, engine: str
+) -> None:
+    """Write a log without a display, with what the command says of it, over its own and not over a changed one."""
+    pytest.importorskip("rerun")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    case, file = write_short_case(tmp_path / "case"), tmp_path / "log.rrd"
+    command = ("view", case, "--engine", engine, "--effects", SEED, "--rerun", file)
+    assert harness(*command, "--quiet").code == 0
+    done = harness(*command, "--json")
+    assert done.code == 0, done.err
+    told = json.loads(done.out)
+    assert (told["log"], told["video"], told["frames"]) == (str(file), None, 0)
+
+    read, log = load_case(case), Logged(file)
+    (recording, *_) = (read.recordings[name] for name in read.identify)
+    assert told["stamps"] == len(recording.time)
+    kinds = {f"{engine}_simulated/{kind}_effects_found" for kind in ("without", "with")}
+    for place in ("world/beam", "position_m", "residual_mm"):
+        assert {f"{place}/{kind}" for kind in kinds} <= log.entities
+    time, position = log.scalars("position_m/measured")
+    known = np.isfinite(recording.position)
+    np.testing.assert_allclose(time, recording.time[known], rtol=0.0, atol=1e-9)  # Rerun counts nanoseconds
+    np.testing.assert_array_equal(position, recording.position[known])
+    for run, kind in zip(told["runs"], ("without", "with"), strict=True):
+        _, residual = log.scalars(f"residual_mm/{engine}_simulated/{kind}_effects_found")
+        # The same differences, summed in another order.
+        assert np.sqrt(np.mean(residual**2)) == pytest.approx(1e3 * run["rms_m"], rel=1e-9)
+
+    file.write_bytes(file.read_bytes() + b"mine")
+    refused = harness(*command)
+    assert refused.code == 2
+    assert "--force" in refused.err
+    assert file.read_bytes().endswith(b"mine")
+    assert {one.name for one in tmp_path.iterdir()} == {"case", "work", "log.rrd", ".log.rrd.json"}
+
+
+def test_without_its_package_no_log_is_begun(harness: Harness, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End with 2 and the line that installs it."""
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    done = harness("view", "paper_protocol", "--rerun", "log.rrd")
+    assert done.code == 2
+    assert len(done.errors) == 1
+    assert "pip install 'ball-beam-harness[rerun]'" in done.errors[0]
+    assert list(done.folder.iterdir()) == []
+
+
+def test_an_engine_that_fails_leaves_no_log(harness: Harness, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End with 3 and no file where the engine gives no trustworthy run."""
+    pytest.importorskip("rerun")
+
+    def fails(*_: object, **__: object) -> None:
+        raise EngineFailure("mujoco", Failure.NOT_FINITE, 0.5, "positions are not finite")
+
+    monkeypatch.setattr("harness.viewing.runs.run_without", fails)
+    done = harness("view", "paper_protocol", "--rerun", "log.rrd")
+    assert done.code == 3
+    assert list(done.folder.iterdir()) == []
