@@ -38,7 +38,7 @@ $(LOCKED): requirements.lock
 	@$(FIND_PYTHON); echo "Making .venv with $$($$found --version)" && $$found -m venv --clear .venv
 	@$(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 12))' || \
 	  echo 'PyBullet has no wheel for this Python and is compiled: that needs a C++ compiler and takes minutes.'
-	@echo "Installing $$(grep -c '^[a-z]' requirements.lock) packages, about 640 MB to fetch"
+	@echo "Installing $$(grep -c '^[a-z]' requirements.lock) packages, about 470 MB to fetch"
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --require-hashes -r requirements.lock
 	@echo '$(CURDIR)' > $@
 
@@ -152,11 +152,14 @@ measured: $(INSTALLED) ## diagnose the measured rigs in the folder RECORDINGS=â€
 	$(BIN)/python -m benchmarks.measured $(RECORDINGS) --out docs/measured_rigs $(ARGS)
 
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
+# All extras but rerun, whose 170 MB serve one option of one command.
+EXTRAS := files ros control video dask sysid dart dev test
+
 .PHONY: lock
 lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)
 	@$(FIND_PYTHON); $$found -m venv --clear build/lock
 	@build/lock/bin/python -m pip install --disable-pip-version-check --quiet 'uv>=0.8,<1'
-	build/lock/bin/uv pip compile pyproject.toml --all-extras --universal --fork-strategy fewest --generate-hashes \
+	build/lock/bin/uv pip compile pyproject.toml $(EXTRAS:%=--extra %) --universal --fork-strategy fewest --generate-hashes \
 	  --no-emit-index-url --custom-compile-command 'make lock' --no-config --quiet -o requirements.lock $(ARGS)
 	build/lock/bin/uv pip compile requirements.lock --python-version 3.11 --python-platform x86_64-manylinux_2_28 \
 	  --only-binary :all: --no-config --quiet > build/lock/linux.txt

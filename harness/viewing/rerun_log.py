@@ -56,7 +56,7 @@ def check_log_target(file: Path) -> None:
     except ImportError as error:
         raise InputError(
             f"{file}: a log for Rerun needs a package that is not installed ({error}): "
-            "pip install 'ball-beam-harness[rerun]'"
+            "pip install 'rerun-sdk>=0.41,<0.42'"
         ) from error
     if not rerun.is_enabled(rerun.RecordingStream(_APPLICATION)):
         raise InputError(f"{file}: the environment variable RERUN turns Rerun's logs off; unset it")

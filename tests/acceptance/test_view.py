@@ -185,7 +185,7 @@ def test_without_its_package_no_log_is_begun(harness: Harness, monkeypatch: pyte
     done = harness("view", "paper_protocol", "--rerun", "log.rrd")
     assert done.code == 2
     assert len(done.errors) == 1
-    assert "pip install 'ball-beam-harness[rerun]'" in done.errors[0]
+    assert "pip install 'rerun-sdk>=0.41,<0.42'" in done.errors[0]
     assert list(done.folder.iterdir()) == []
 
 
