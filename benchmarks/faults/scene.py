@@ -50,10 +50,12 @@ class Scene:
     Attributes:
         folder: of everything.
         made: contents of whole results by command.
+        sizes: of the largest file of such a result by command [bytes].
     """
 
     folder: Path
     made: dict[str, list[Content]] = field(default_factory=dict)
+    sizes: dict[str, int] = field(default_factory=dict)
 
     @property
     def out(self) -> Path:
@@ -145,6 +147,7 @@ class Scene:
             if done.returncode != ENDS.get(command, 0):
                 raise RuntimeError(done.stderr)
             self.made.setdefault(command, []).append(self.content())
+        self.sizes[command] = max(one.stat().st_size for one in self.out.iterdir() if one.is_file())
         return took, int(done.stderr.rsplit("operations: ", 1)[1])
 
     def processes(self) -> list[str]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -104,70 +105,84 @@ def _sends(number: int, after: float) -> Callable[[subprocess.Popen[str]], None]
     return send
 
 
-def signals(scene: Scene, instants: int, generator: np.random.Generator) -> Iterator[Trial]:
+@dataclass(frozen=True)
+class Planned:
+    """A fault that is to be put into a command.
+
+    Attributes:
+        spec: tells it apart from all others of one seed.
+        command: that it is put into.
+        carry_out: puts it in; takes the scene, and the time [s] and the file operations that the command takes.
+    """
+
+    spec: str
+    command: str
+    carry_out: Callable[[Scene, float, int], Trial]
+
+
+def carried_out(
+    scene: Scene, planned: Iterable[Planned], kept: Mapping[str, Trial], until: float
+) -> Iterator[tuple[Planned, Trial, bool]]:
+    """Every planned trial with its outcome, and whether it is new; those that are kept are not tried again.
+
+    Args:
+        scene: that it is done in; a command is prepared where a trial of it is missing.
+        planned: the trials of one command after each other.
+        kept: outcomes by `Planned.spec`.
+        until: no trial is begun after this time (`time.monotonic`) [s].
+    """
+    ready, took, operations = "", 0.0, 0
+    for one in planned:
+        if one.spec in kept:
+            yield one, kept[one.spec], False
+        elif time.monotonic() < until:
+            if one.command != ready:
+                (took, operations), ready = scene.prepare(one.command), one.command
+            yield one, one.carry_out(scene, took, operations), True
+
+
+def signals(instants: int, seed: int) -> Iterator[Planned]:
     """Signals at random times and at random file operations, half of each, spread over commands and signals."""
     for number, command in enumerate(COMMANDS):
         count = instants // len(COMMANDS) + (number < instants % len(COMMANDS))
-        if not count:
-            continue
-        took, operations = scene.prepare(command)
         for turn in range(count):
             sent = SIGNALS[(turn + number) % len(SIGNALS)]
-            again = turn % _LATER_CHECK == 0
-            allowed = (128 + sent, ENDS.get(command, 0))
-            if turn % 2 and operations:
-                at = int(generator.integers(1, operations + 1))
-                inside = f"signal:{sent.value}:{at}"
-                yield _trial(
-                    scene,
-                    sent.name,
-                    command,
-                    f"file operation {at} of {operations}",
-                    allowed,
-                    turn,
-                    inside,
-                    again=again,
-                )
-            else:
-                after = float(generator.uniform(0.0, took))
-                yield _trial(
-                    scene,
-                    sent.name,
-                    command,
-                    f"{after:.2f} of {took:.2f} s",
-                    allowed,
-                    turn,
-                    meddle=_sends(sent, after),
-                    again=again,
-                )
+            share = float(np.random.default_rng([seed, 0, number, turn]).uniform())
+            yield Planned(
+                f"{sent.name} {command} {turn} of seed {seed}", command, partial(_signal, command, turn, sent, share)
+            )
 
 
-def disk(scene: Scene, each: int, generator: np.random.Generator) -> Iterator[Trial]:
+def _signal(
+    command: str, turn: int, sent: signal.Signals, share: float, scene: Scene, took: float, operations: int
+) -> Trial:
+    allowed = (128 + sent, ENDS.get(command, 0))
+    again = turn % _LATER_CHECK == 0
+    if turn % 2 and operations:
+        at = 1 + int(share * operations)
+        place, inside = f"file operation {at} of {operations}", f"signal:{sent.value}:{at}"
+        return _trial(scene, sent.name, command, place, allowed, turn, inside, again=again)
+    place, meddle = f"{share * took:.2f} of {took:.2f} s", _sends(sent, share * took)
+    return _trial(scene, sent.name, command, place, allowed, turn, meddle=meddle, again=again)
+
+
+def disk(each: int, seed: int) -> Iterator[Planned]:
     """A disk that is full from a random file operation on, and files that cannot grow beyond a random size."""
-    for command in COMMANDS:
-        if command == "replay":  # writes nothing
-            continue
-        _, operations = scene.prepare(command)
-        largest = max(one.stat().st_size for one in scene.out.iterdir() if one.is_file())
-        for turn in range(each):
-            if turn % 2 == 0:
-                at = int(generator.integers(1, operations + 1))
-                # 0: nothing more was to be written after that operation
-                yield _trial(
-                    scene,
-                    "disk full",
-                    command,
-                    f"file operation {at} of {operations}",
-                    (2, ENDS.get(command, 0)),
-                    turn,
-                    f"full:{at}",
-                    again=turn == 0,
-                )
-            else:
-                size = int(generator.integers(1, largest))
-                yield _trial(
-                    scene, "disk full", command, f"after {size} bytes", (2,), turn, f"limit:{size}", again=turn == 1
-                )
+    for number, command in enumerate(COMMANDS):
+        for turn in range(0 if command == "replay" else each):  # which writes nothing
+            share = float(np.random.default_rng([seed, 1, number, turn]).uniform())
+            yield Planned(f"disk full {command} {turn} of seed {seed}", command, partial(_full, command, turn, share))
+
+
+def _full(command: str, turn: int, share: float, scene: Scene, took: float, operations: int) -> Trial:
+    if turn % 2 == 0:
+        at = 1 + int(share * operations)
+        place, inside = f"file operation {at} of {operations}", f"full:{at}"
+        allowed: tuple[int, ...] = (2, ENDS.get(command, 0))  # 0: nothing more was to be written after that operation
+    else:
+        size = 1 + int(share * (scene.sizes[command] - 1))
+        place, inside, allowed = f"after {size} bytes", f"limit:{size}", (2,)
+    return _trial(scene, "disk full", command, place, allowed, turn, inside, again=turn < 2)
 
 
 def _kills_a_worker(process: subprocess.Popen[str]) -> None:
@@ -187,22 +202,26 @@ def _kills_a_worker(process: subprocess.Popen[str]) -> None:
         time.sleep(0.005)
 
 
-def parts(scene: Scene) -> Iterator[Trial]:
+def parts() -> Iterator[Planned]:
     """A killed worker, and engines that fail."""
-    scene.prepare("diagnose")
-    yield _trial(
-        scene, "worker killed", "diagnose", "as soon as it is there", (3,), 0, meddle=_kills_a_worker, again=True
-    )
+    yield Planned("worker killed diagnose", "diagnose", _worker)
     for command in ("run", "diagnose"):
-        scene.prepare(command)
         for kind in ENGINES:
-            fault = f"engine {kind}"
-            inside = f"engine:{kind}"
-            if kind == "hangs":
-                for sent, after in ((signal.SIGINT, 20.0), (signal.SIGTERM, 20.0)):
-                    place = f"{sent.name} after {after:.0f} s"
-                    yield _trial(
-                        scene, fault, command, place, (128 + sent,), 0, inside, _sends(sent, after), again=False
-                    )
-            else:
-                yield _trial(scene, fault, command, "each run", (3,), 0, inside, again=False)
+            for sent in (signal.SIGINT, signal.SIGTERM) if kind == "hangs" else (None,):
+                spec = " ".join(["engine", kind, command, *([sent.name] if sent else [])])
+                yield Planned(spec, command, partial(_engine, command, kind, sent))
+
+
+def _worker(scene: Scene, took: float, operations: int) -> Trial:
+    place = "as soon as it is there"
+    return _trial(scene, "worker killed", "diagnose", place, (3,), 0, meddle=_kills_a_worker, again=True)
+
+
+def _engine(command: str, kind: str, sent: signal.Signals | None, scene: Scene, took: float, operations: int) -> Trial:
+    fault, inside = f"engine {kind}", f"engine:{kind}"
+    if sent is None:
+        return _trial(scene, fault, command, "each run", (3,), 0, inside, again=False)
+    # Twice the time of the whole command: it is in the engine by then, on a slower machine, too.
+    after = 2.0 * took + 5.0
+    place = f"{sent.name} after {after:.0f} s"
+    return _trial(scene, fault, command, place, (128 + sent,), 0, inside, _sends(sent, after), again=False)

@@ -78,7 +78,7 @@ def _changed(draw: st.DrawFn, cells: Cells) -> Cells:
         cells = [[*one, *one[column : column + 1]] for one in cells]
     elif kind == "same stamps":
         cells = [
-            [cells[min(first, len(cells) - 1)][0], *one[1:]] if first < at <= last else one
+            [*cells[min(first, len(cells) - 1)][:1], *one[1:]] if first < at <= last else one
             for at, one in enumerate(cells)
         ]
     elif kind == "comment":

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
 from harness.api.effort import ask, comparison_time
+from harness.api.memory import comparison_memory
 from harness.api.outputs import report_folder, sealed_json
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from harness.engines.parameters import EngineParameters
     from harness.engines.protocol import Engine
     from harness.recording import Case as CheckedCase
+    from harness.recording import Recording
     from harness.scene import Scene
     from harness.tolerances import Checked, Tolerances
 
@@ -175,7 +177,7 @@ def compare(
         effects: effects of your own that rig.toml declares, as Python files or as `Effect` objects.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no comparison wrote, or that have been changed since, too.
-        yes: compare although it takes longer than ten minutes.
+        yes: compare although it takes longer than ten minutes or more than 4 GB of memory.
         command: what repeats the comparison, for the manifest.
         progress: show a bar on stderr, or a function to be told.
 
@@ -210,7 +212,9 @@ def compare(
             choices = limits.applied_to(choices)
         _check_numbers(case, recording, chosen, choices)
         seconds = comparison_time(_longest(case, recording), chosen, choices)
-        ask(seconds, "set a longer time_step, or compare fewer engines and windows", yes=yes)
+        memory = max(comparison_memory(one, chosen, choices) for one in _compared(case, recording))
+        remedy = "set a longer time_step, compare fewer engines, or longer windows, or choose a shorter recording"
+        ask(seconds, memory, remedy, yes=yes)
         given = (*files_of(effects), *([] if tolerances is None else [Path(tolerances)]))
         writing = partial(all_or_nothing, record=MANIFEST, names=FILES, inputs=(*input_files(case), *given))
         # Entered first: what cannot be written need not be computed.
@@ -245,8 +249,12 @@ def _check_numbers(
 
 def _longest(case: Case, recording: str | None) -> float:
     """Duration of the recording to compare; of the longest, where none is named [s]."""
-    compared = [case.recordings[recording]] if recording in case.recordings else case.recordings.values()
-    return max(float(one.time[-1] - one.time[0]) for one in compared)
+    return max(float(one.time[-1] - one.time[0]) for one in _compared(case, recording))
+
+
+def _compared(case: Case, recording: str | None) -> list[Recording]:
+    """The recording to compare; all that it may be, where none is named."""
+    return [case.recordings[recording]] if recording in case.recordings else list(case.recordings.values())
 
 
 def headline_rows(study: Study) -> list[tuple[str, ...]]:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from harness.api.acceptance import check_codes, refuse_worthless
 from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
-from harness.api.effort import ask, diagnosis_time
+from harness.api.effort import ask, diagnosis_time, expected
+from harness.api.memory import diagnosis_memory
 from harness.api.outputs import report_folder, write_csv
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis
@@ -175,7 +176,7 @@ def diagnose(
             such as `tune` writes. Its table `[rig]` is left aside: effects that are found stand for it.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
-        yes: diagnose although it takes longer than ten minutes.
+        yes: diagnose although it takes longer than ten minutes or more than 4 GB of memory.
         jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
             other threads hold locks, as they may in a notebook. The search uses threads on all cores in any case.
         progress: show a bar on stderr, or a function to be told.
@@ -196,11 +197,12 @@ def diagnose(
         prediction_files(case)
         further = _further(case, asked.also)
         refuse_worthless(case, further, asked.accept)
-        seconds = diagnosis_time([case.recordings[name] for name in case.identify])
-        ask(seconds, "list fewer or shorter recordings to identify from, or record at a lower rate", yes=yes)
+        used = [case.recordings[name] for name in case.identify]
+        takes = diagnosis_time(used), diagnosis_memory(used)
+        ask(*takes, "list fewer or shorter recordings to identify from, or record at a lower rate", yes=yes)
         # Entered first: what cannot be written need not be computed.
         with nullcontext() if asked.out is None else asked.scratch(asked.out, case, force=force) as scratch:
-            tell("drives and rig", share=0.0)
+            tell(f"drives and rig; {expected(*takes)}", share=0.0)
             from harness.api.assemble import diagnosis_record
             from harness.engines.catalogue import try_scene
             from harness.identify.diagnosis import diagnose as find

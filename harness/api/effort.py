@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from harness.recording import Recording
 
 ASKED = 600.0
-"""Time beyond which a command asks [s]. A run that memory does not hold is refused (`engines.leapfrog.check_steps`)."""
+"""Time beyond which a command asks [s]."""
+MEMORY_ASKED = 4e9
+"""Memory beyond which it asks [bytes]; a single run that takes more is refused (`engines.leapfrog.check_steps`)."""
 # Measured on two cores [s]: steps of the engines, PyBullet's being the slowest; diagnoses of one to ten recordings with
 # 300 to 20 000 readings, which take 27 to 230 s. A search that finds much takes twice as long as the line says.
 _STEP = {"mujoco": 4e-5}
@@ -59,19 +61,28 @@ def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings:
     return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER)
 
 
-def ask(seconds: float, remedy: str, *, yes: bool) -> None:
-    """Go on where it is short or the user has said yes.
+def ask(seconds: float, memory: float, remedy: str, *, yes: bool) -> None:
+    """Go on where it is short and small or the user has said yes.
 
     Args:
         seconds: that it takes [s].
+        memory: that it takes at most [bytes].
         remedy: how it could be shorter.
         yes: the user's consent.
 
     Raises:
-        InputError: it takes longer than `ASKED`, and the user has not said yes.
+        InputError: it takes longer than `ASKED` or more than `MEMORY_ASKED`, and the user has not said yes.
     """
-    if seconds > ASKED and not yes:
-        raise InputError(
-            f"this would take some {seconds / 60.0:.0f} minutes, more than {ASKED / 60.0:.0f}; {remedy}, or say --yes "
-            "(yes=True in Python)"
-        )
+    long = f"some {seconds / 60.0:.0f} minutes, more than {ASKED / 60.0:.0f}" if seconds > ASKED else ""
+    large = (
+        f"up to {memory / 1e9:.1f} GB of memory, more than {MEMORY_ASKED / 1e9:.0f}" if memory > MEMORY_ASKED else ""
+    )
+    if (long or large) and not yes:
+        said = " and ".join(filter(None, (long, large)))
+        raise InputError(f"this would take {said}; {remedy}, or say --yes (yes=True in Python)")
+
+
+def expected(seconds: float, memory: float) -> str:
+    """What it takes, in words: told before it begins."""
+    long = "less than a minute" if seconds < 60.0 else f"some {seconds / 60.0:.0f} min"
+    return f"this takes {long} and up to {memory / 1e9:.1f} GB of memory"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness.api.effort import ask
+from harness.api.memory import sweep_memory
 from harness.api.outputs import sealed_json, to_json
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of, settle, sha256_of, written
@@ -100,7 +101,7 @@ def sweep(
             has to protect its entry point by `if __name__ == "__main__":`.
         on: `dask://host:port`, to run on a Dask cluster instead.
         force: discard runs of another sweep in `out`, and replace files that no sweep wrote.
-        yes: begin although it takes longer than ten minutes.
+        yes: begin although it takes longer than ten minutes or more than 4 GB of memory.
         command: what repeats the sweep, for the record.
         progress: show a bar on stderr, or a function to be told.
 
@@ -136,7 +137,10 @@ def sweep(
         executor = executor_on(on, jobs)
         unfinished = folder / UNFINISHED
         workers = max(1, executor.workers)
-        ask(total_seconds(plan) / workers, "sweep fewer points, or longer time steps", yes=yes or unfinished.is_dir())
+        # Workers of a cluster have memory of their own, of which nothing is known but that each makes one run.
+        memory = sweep_memory(plan, 1 if on else workers)
+        remedy = "sweep fewer points, longer time steps, or with fewer --jobs"
+        ask(total_seconds(plan) / workers, memory, remedy, yes=yes or unfinished.is_dir())
         with all_or_nothing(folder, record=RECORD, names=FILES, inputs=(path, *plan.files), force=force) as scratch:
             begun(unfinished, about, anew=force)
             store = Store(unfinished, schema_of(_columns(plan)), len(plan))

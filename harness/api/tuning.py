@@ -15,6 +15,7 @@ from harness.api.case import Case, case_of, input_files
 from harness.api.diagnosis import input_hashes
 from harness.api.effects import Given, beside_catalogue, files_of
 from harness.api.effort import ask, tuning_time
+from harness.api.memory import tuning_memory
 from harness.api.outputs import report_folder, sealed_json
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis, load_diagnosis
@@ -236,7 +237,7 @@ def tune(
         accept: codes of findings about the input that would stop it, and are meant so.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no tuning wrote, or that have been changed since, too.
-        yes: tune although it takes longer than ten minutes.
+        yes: tune although it takes longer than ten minutes or more than 4 GB of memory.
         jobs: processes that run the engine; more than 1 forks this process.
         command: what repeats the tuning, for the record.
         progress: show a bar on stderr, or a function to be told.
@@ -252,7 +253,7 @@ def tune(
         case = case_of(case)
         refuse_worthless(case, (), accept)
         known = _known(case, diagnosis, effects)
-        from harness.engines.catalogue import engine_of
+        from harness.engines.catalogue import engine_of, parameters_of
         from harness.tuning.tune import free_parameters
         from harness.tuning.tune import tune as fit
 
@@ -271,7 +272,10 @@ def tune(
             problem = problem_of(case)
             names = free_parameters(problem, chosen, fixed, free)
             seconds = tuning_time([one.time[-1] - one.time[0] for one in problem.recordings], len(names), chosen, fixed)
-            ask(seconds, "set a longer time_step, or free fewer parameters", yes=yes)
+            used = [case.recordings[name] for name in case.identify]
+            memory = tuning_memory(used, parameters_of(chosen, fixed).time_step, jobs)
+            remedy = "set a longer time_step, free fewer parameters, or list fewer or shorter recordings"
+            ask(seconds, memory, remedy, yes=yes)
             tuned = fit(problem, chosen, fixed, free, tell, jobs=jobs)
             failures = Failures(tuned.failures)
             cam = None

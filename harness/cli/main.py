@@ -77,7 +77,7 @@ _out_option = click.option("--out", type=_PATH, help="Folder to write into [defa
 _force_option = click.option(
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
 )
-_yes_option = click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
+_yes_option = click.option("--yes", is_flag=True, help="Go on although it takes over ten minutes or 4 GB.")
 _effects_option = click.option(
     "--effects",
     multiple=True,

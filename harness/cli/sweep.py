@@ -32,7 +32,7 @@ from harness.cli.options import PathType, Whole, is_quiet, quiet_option
     is_flag=True,
     help="Discard the runs of another sweep in the folder, and replace files there that no sweep wrote.",
 )
-@click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
+@click.option("--yes", is_flag=True, help="Go on although it takes over ten minutes or 4 GB.")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON on stdout.")
 @quiet_option
 def sweep(spec: Path, out: Path | None, jobs: int | None, on: str, force: bool, yes: bool, as_json: bool) -> None:

@@ -45,7 +45,7 @@ _PATH = PathType()
 @click.option(
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
 )
-@click.option("--yes", is_flag=True, help="Go on although it takes longer than ten minutes.")
+@click.option("--yes", is_flag=True, help="Go on although it takes over ten minutes or 4 GB.")
 @click.option("--json", "as_json", is_flag=True, help="Print tuning.json on stdout.")
 @quiet_option
 def tune(

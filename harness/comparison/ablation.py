@@ -102,7 +102,8 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
         bounds = ([-0.1] * level + [0.0] * bool(model.reading), [0.1] * level + [np.inf] * bool(model.reading))
         scale = [0.003] * level + ([_FRICTION_START[model.reading]] if model.reading else [])
         x = least_squares(errors, x, bounds=bounds, x_scale=scale).x
-    position, error = run(x), errors(x)
+    # A copy, since the velocities beside it are not wanted: all combinations are kept until the report.
+    position, error = np.ascontiguousarray(run(x)), errors(x)
     e_disp = sum(
         float(np.trapezoid(np.abs(position[i, w] - measured[w])[use[i]], setting.time[w][use[i]]))
         for i, w in enumerate(horizon.slices())

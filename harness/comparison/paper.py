@@ -71,7 +71,8 @@ class Inputs:
 
     Attributes:
         u_val: of the runs, shape (runs, n), NaN outside a run [m].
-        displacement: of the ball by each draw of the inputs, shape (draws, runs, n) [m].
+        displacement: of the ball by each draw of the inputs, at the stamps of one run after the other, shape
+            (draws, stamps) [m].
     """
 
     u_val: FloatArray
@@ -101,7 +102,8 @@ class Judge:
         for i, where in enumerate(horizon.slices()):
             inside[i, where] = setting.ball.trusted[where]
         self._use, self.noise = inside, setting.reading_noise
-        self._displacement = inputs.displacement[:, inside]
+        trusted = np.concatenate([setting.ball.trusted[where] for where in horizon.slices()])
+        self._displacement = inputs.displacement[:, trusted]
 
     def gain(self, base: Combination, other: Combination) -> tuple[float, float]:
         """Mean square error of `base` minus that of `other`, and its standard deviation [m²].

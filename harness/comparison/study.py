@@ -113,7 +113,7 @@ def study(
     runs = run_all(setting, list(MODELS.values()), engines, Stage(progress, *_RUNS, every))
     progress("uncertainty of start and angle", share=_RUNS[1])
     displaced = displacements(setting)
-    u_val = [uncertainty(setting, one) for one in displaced]
+    u_val = [uncertainty(setting, h, one) for h, one in zip(setting.horizons, displaced, strict=True)]
     headline = headline_of(setting, u_val)
     u_val_by_horizon = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
     inputs = Inputs(u_val_by_horizon[headline.name], displaced[setting.horizons.index(headline)])

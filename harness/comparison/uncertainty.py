@@ -12,13 +12,18 @@ from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import BeamMotion, FloatArray
 from analytic.slots import CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
+from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.metrics import validation_uncertainty
 from harness.numerics import rms
 
 
 def displacements(setting: Setting) -> list[FloatArray]:
-    """Displacement of the ball by each draw, one array of shape (draws, runs, n) per horizon, NaN outside a run [m]."""
+    """Displacement of the ball by each draw, one array of shape (draws, stamps) per horizon [m].
+
+    The stamps are those of the horizon's runs, one run after the other: windows fill little of (runs, n), and of a
+    recording of minutes memory would not hold that for every draw.
+    """
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
@@ -27,7 +32,6 @@ def displacements(setting: Setting) -> list[FloatArray]:
     parameters = _parameters(setting, draws, generator)
     result = []
     for horizon in setting.horizons:
-        runs = len(horizon.first)
         starts = np.repeat(setting.starts(horizon)[None], draws + 1, axis=0)
         if horizon.seconds is not None or choices.start is None:  # a start given by the user is exact
             for i, first in enumerate(horizon.first):
@@ -36,22 +40,31 @@ def displacements(setting: Setting) -> list[FloatArray]:
             # estimate the ball starts correspondingly slower.
             rate = tables[:, 2 * grid.marks[horizon.first], 1]
             starts[1:, :, 1] -= parameters[1:, ECCENTRIC, None] * (rate[1:] - rate[0])
-        drawn = integrate(
-            grid,
-            tables,
-            np.repeat(parameters, runs, axis=0),
-            starts.reshape(-1, 2),
-            table_of=np.repeat(np.arange(draws + 1), runs),
-            first=np.tile(horizon.first, draws + 1),
-            last=np.tile(horizon.last, draws + 1),
-        ).position.reshape(draws + 1, runs, -1)
-        result.append(drawn[1:] - drawn[0])
+        moved = []
+        for i, (first, last) in enumerate(zip(horizon.first.tolist(), horizon.last.tolist(), strict=True)):
+            part, rows = _between(grid, first, last)
+            every = np.arange(draws + 1)
+            drawn = integrate(part, tables[:, rows], parameters, starts[:, i], table_of=every).position
+            moved.append(drawn[1:] - drawn[0])
+        result.append(np.concatenate(moved, axis=1))
     return result
 
 
-def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
-    """u_val of the runs with `displacement`, shape (draws, runs, n): shape (runs, n) [m]."""
-    return validation_uncertainty(setting.reading_noise, rms(displacement, axis=0))
+def _between(grid: Grid, first: int, last: int) -> tuple[Grid, slice]:
+    """The grid from one stamp to another, given by their indices, and the rows of a table of `grid` for it."""
+    begin, end = int(grid.marks[first]), int(grid.marks[last])
+    marks = grid.marks[first : last + 1] - begin
+    return Grid(grid.time[first : last + 1], grid.steps[begin:end], marks), slice(2 * begin, 2 * end + 1)
+
+
+def uncertainty(setting: Setting, horizon: Horizon, displacement: FloatArray) -> FloatArray:
+    """u_val of the runs of a horizon with its `displacement`, shape (draws, stamps): shape (runs, n) [m]."""
+    spread = rms(displacement, axis=0)
+    moved, begin = np.full((len(horizon.first), len(setting.time)), np.nan), 0
+    for i, where in enumerate(horizon.slices()):
+        end = begin + where.stop - where.start
+        moved[i, where], begin = spread[begin:end], end
+    return validation_uncertainty(setting.reading_noise, moved)
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:

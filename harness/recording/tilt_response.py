@@ -23,7 +23,7 @@ class TiltResponse:
     """Partial regression of ∫ s φ̈ on ∫ g α φ, for the window length with the largest t value.
 
     Attributes:
-        slope: of s̈ against g α [1].
+        slope: of s̈ against g α [1]; ±∞ where it is too large for a float.
         correlation: partial correlation, -1 … 1.
         t_value: Student's t of the correlation, with one degree of freedom per half window.
     """
@@ -67,7 +67,10 @@ def tilt_response(
         if best is None or response.t_value > best.t_value:
             best = response
         half = int(half * WINDOW_GROWTH) + 1
-    return None if best is None else replace(best, slope=float(np.ldexp(best.slope, exponents[1] - exponents[0])))
+    if best is None:
+        return None
+    with np.errstate(over="ignore"):
+        return replace(best, slope=float(np.ldexp(best.slope, exponents[1] - exponents[0])))
 
 
 def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> TiltResponse:

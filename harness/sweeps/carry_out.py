@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
@@ -35,6 +36,13 @@ def total_seconds(plan: Plan) -> float:
     """About what all runs take in one process [s], from evenly chosen ones."""
     some = range(0, len(plan), max(1, len(plan) // 500))
     return len(plan) * sum(run_seconds(plan, plan.run(one)) for one in some) / len(some)
+
+
+def most_steps(plan: Plan) -> float:
+    """The most steps that an engine makes in a run of the plan, from evenly chosen ones and those at the ends."""
+    some = sorted({*range(0, len(plan), max(1, len(plan) // 500)), len(plan) - 1})
+    steps = [float(plan.run(one).values.get(TIME_STEP, _CAM_STEP)) for one in some]
+    return min(max(plan.durations), plan.spec.window or math.inf) / min(steps)
 
 
 def carry_out(plan: Plan, store: Store, executor: Executor, progress: Progress) -> None:

@@ -6,6 +6,8 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from harness.simulator import Experiment, write_case
@@ -42,6 +44,25 @@ def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> Non
     assert proposed["separations"][0]["found"] == "rolling_resistance"
     columns = (tmp_path / "out" / proposed["file"]).read_text().splitlines()
     assert columns[0] == "time_s,beam_angle_rad,ball_position_m"
+
+
+@pytest.mark.slow
+def test_an_unknown_rig_with_rare_positions_is_diagnosed(process: Harness, tmp_path: Path) -> None:
+    """Come to a result from 8 s at 20 Hz of a rig of which nothing is known, three of four positions blank."""
+    hidden = {"viscous_damping": {"coefficient": 0.03}}
+    experiment = Experiment(hidden=hidden, rate=20.0, duration=8.0, identify=1, predict=0, position_noise=4e-3, seed=7)
+    write_case(tmp_path / "case", experiment)
+    (tmp_path / "case" / "rig.toml").write_text('[recordings]\nidentify = ["rec_01.csv"]\n', encoding="utf-8")
+    file = tmp_path / "case" / "rec_01.csv"
+    table = pd.read_csv(file)
+    table.loc[table.index % 4 != 0, "ball_position_m"] = np.nan
+    table.to_csv(file, index=False)
+    done = process("diagnose", tmp_path / "case", "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    assert "Traceback" not in done.err
+    found = json.loads((tmp_path / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert found["verdict"] in ("none", "effect", "unlisted", "not_identifiable")  # 40 readings need not show it
+    assert not found["failures"]
 
 
 def test_a_missing_case_is_refused(harness: Harness, tmp_path: Path) -> None:

@@ -35,3 +35,12 @@ def test_what_is_beyond_a_float_says_nothing() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert tilt_response(STEP, 1e200 * ANGLE, POSITION, gravity=1e200) is None
+
+
+def test_a_slope_beyond_a_float_is_infinite() -> None:
+    """Give an infinite slope, without a warning, where the position's numbers are too large for the angle's."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        response = tilt_response(STEP, np.ldexp(ANGLE, -600), np.ldexp(POSITION, 600))
+    assert response is not None
+    assert response.slope == np.inf
