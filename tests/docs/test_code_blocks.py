@@ -6,12 +6,15 @@ import ast
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
 import harness
 from harness.cli.main import main
+from tests.acceptance.short import write_short_case
+from tests.importing import made
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").rglob("*.md")} - {ROOT / "docs" / "api.md"})
@@ -33,8 +36,8 @@ def lines(page: Path) -> list[str]:
 
 def words(line: str) -> list[str]:
     """Words of a command without its comment and what follows a redirection."""
-    made = shlex.split(line, comments=True)
-    return made[: next((i for i, word in enumerate(made) if word in (">", ">>", "<", "|")), len(made))]
+    split = shlex.split(line, comments=True)
+    return split[: next((i for i, word in enumerate(split) if word in (">", ">>", "<", "|")), len(split))]
 
 
 COMMANDS = [(page.name, found[1]) for page in PAGES for line in lines(page) if (found := _COMMAND.match(line))]
@@ -82,6 +85,38 @@ def test_python_is_python_and_calls_what_there_is(page: Path, text: str) -> None
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "harness":
             assert hasattr(harness, node.attr), node.attr
+
+
+RUN = ("diagnosis.md", "import.md", "own_effect.md", "tolerances.md", "virtual_rig.md")
+RUN_ELSEWHERE = {
+    "README.md": "tests/acceptance/test_readme.py",
+    "own_engine.md": "test_a_script_prints_what_its_page_shows",
+    "own_metric.md": "test_a_script_prints_what_its_page_shows",
+}
+NOT_RUN = {
+    "export.md": "takes a diagnosis, a compiler's program and fmpy's input; tests/exports runs these exports",
+    "tuning.md": "takes minutes; tests/acceptance/test_tune.py makes the same call on a short case",
+}
+
+
+def test_each_page_with_python_is_run_or_says_why_not() -> None:
+    """Leave out no page, and give no reason for one that has no Python."""
+    assert {page.name for page, _ in PYTHON} == {*RUN, *RUN_ELSEWHERE, *NOT_RUN}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RUN)
+def test_python_runs_page_by_page(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the blocks of a page in order, in a folder with the case and the log that pages speak of."""
+    monkeypatch.chdir(tmp_path)
+    if name == "import.md":
+        made.labview(tmp_path / "log.lvm")
+    else:
+        write_short_case(tmp_path / "my_rig")
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for page, text in PYTHON:
+        if page.name == name:
+            exec(compile(text, name, "exec"), names)
 
 
 @pytest.mark.slow
