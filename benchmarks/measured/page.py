@@ -142,6 +142,13 @@ def _rows(effect: EffectRecord) -> list[tuple[str, ...]]:
     return rows
 
 
+_OTHER = (
+    "The error that the sentence above quotes is held out in another way: each recording or group of recordings, or "
+    "each half of a single one, in turn, with parameters fitted by likelihood to the rest, and every span predicted "
+    "from all readings before it."
+)
+
+
 def _errors(rig: Rig) -> list[str]:
     compared = rig.compared
     if compared is None:
@@ -162,7 +169,7 @@ def _errors(rig: Rig) -> list[str]:
         "of which has a predicted reading. The output-error models are black boxes fitted to the forecast: in closed "
         "loop they may read the controller backwards."
     )
-    return [table(heads, rows), said]
+    return [table(heads, rows), said, _OTHER]
 
 
 def _remains(rig: Rig) -> list[str]:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from harness.comparison import Choices, Study
     from harness.engines.parameters import EngineParameters
     from harness.engines.protocol import Engine
+    from harness.metrics import OwnMetric
     from harness.recording import Case as CheckedCase
     from harness.recording import Recording
     from harness.scene import Scene
@@ -55,6 +56,7 @@ class Comparison(Summarised):
         wall_time: that it took [s].
         command: what repeats it; empty if not known.
         report_failures: sections of the written report that failed.
+        own_metrics: values of your own metrics by name, in the order of the rows of `scores`.
     """
 
     case: Case
@@ -64,13 +66,14 @@ class Comparison(Summarised):
     wall_time: float = 0.0
     command: str = field(default="", compare=False)
     report_failures: tuple[Failed, ...] = field(default=(), compare=False)
+    own_metrics: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property
     def scores(self) -> pd.DataFrame:
-        """One row a source and horizon; columns as in metrics.csv."""
+        """One row a source and horizon; columns as in metrics.csv, your own metrics last."""
         from harness.api.outputs import metrics
 
-        return metrics(self.study)
+        return metrics(self.study, self.own_metrics)
 
     @property
     def trajectories(self) -> pd.DataFrame:
@@ -94,7 +97,13 @@ class Comparison(Summarised):
     def summary(self) -> Summary:
         """The answer and the scores on the headline horizon."""
         source, *numbers = HEADS
-        table = Table(f"Horizon: {self.study.headline.name}", [*texts(source), *numbers], headline_rows(self.study))
+        rows = headline_rows(self.study)
+        if self.own_metrics:
+            shown = self.scores[self.scores["horizon"] == self.study.headline.name].set_index("source")
+            own = [[f"{float(shown[name][row[0]]):.4g}" for name in self.own_metrics] for row in rows]
+            rows = [(*row, *more) for row, more in zip(rows, own, strict=True)]
+        heads = [*texts(source), *numbers, *self.own_metrics]
+        table = Table(f"Horizon: {self.study.headline.name}", heads, rows)
         return Summary(f"Comparison of {self.study.setting.recording.path}", self.answer, [table])
 
     def plot(self) -> Figure:
@@ -128,7 +137,7 @@ class Comparison(Summarised):
         from harness.api.outputs import manifest, write_tables
         from harness.report.comparison import render_comparison
 
-        write_tables(self.study, folder)
+        write_tables(self.study, folder, self.own_metrics)
         facts = manifest(self.study, command=self.command, wall_time=self.wall_time)
         failures = Failures()
         page = render_comparison(self.study, facts, checks=self.checks, failures=failures)
@@ -153,6 +162,7 @@ def compare(
     check: bool = False,
     tolerances: str | Path | None = None,
     effects: Sequence[Given] = (),
+    metrics: Mapping[str, OwnMetric] | None = None,
     out: str | Path | None = None,
     force: bool = False,
     yes: bool = False,
@@ -175,6 +185,9 @@ def compare(
         check: hold the result to tolerances.
         tolerances: file of limits to check; those of the case, else the package's, if none is given.
         effects: effects of your own that rig.toml declares, as Python files or as `Effect` objects.
+        metrics: metrics of your own by name, which ends in the unit: functions of a `harness.metrics.RunComparison`
+            (one run beside the measurement) that return a number, NaN where it is undefined. Of several windows the
+            median counts.
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no comparison wrote, or that have been changed since, too.
         yes: compare although it takes longer than ten minutes or more than 4 GB of memory.
@@ -191,6 +204,7 @@ def compare(
         tell("loading engines", share=0.0)
         from analytic.motion import State
         from harness.comparison import Choices, prepare, study
+        from harness.metrics import check_names
         from harness.tolerances import check as held_to
         from harness.tolerances import tolerances_for
 
@@ -210,6 +224,7 @@ def compare(
         )
         if limits is not None:
             choices = limits.applied_to(choices)
+        check_names(metrics or {})
         _check_numbers(case, recording, chosen, choices)
         seconds = comparison_time(_longest(case, recording), chosen, choices)
         memory = max(comparison_memory(one, chosen, choices) for one in _compared(case, recording))
@@ -222,7 +237,8 @@ def compare(
             tell("drive and measured state", share=0.05)
             result = study(prepare(case, choices), chosen, tell)
             checks = tuple(held_to(result, limits)) if limits is not None else ()
-            made = Comparison(case, result, checks, limits, time.monotonic() - begin, command)
+            own = result.own_metrics(metrics or {})
+            made = Comparison(case, result, checks, limits, time.monotonic() - begin, command, own_metrics=own)
             if scratch is not None:
                 tell("report", share=0.8)
                 made = replace(made, report_failures=made._write(scratch))

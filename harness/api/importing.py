@@ -15,7 +15,7 @@ from harness.api.outputs import sealed_json
 from harness.api.writing import all_or_nothing, hashes_of, settle, written
 from harness.errors import InputError
 from harness.importing import Ambiguity, Choice, Options, SourceFile, Understood, read_file, understand
-from harness.importing.case_text import described, recording_text, rig_text, with_recordings
+from harness.importing.case_text import Role, described, recording_text, rig_text, with_recordings
 from harness.provenance import versions
 from harness.recording.case import RIG_FILE
 from harness.recording.case import load_case as load_checked_case
@@ -26,6 +26,12 @@ from harness.report.tables import Summarised, Summary, Table, texts
 
 FILE = "import.json"
 """How each recording of the case was understood."""
+
+ROLES: Mapping[Role, str] = {
+    "identify": "to identify from",
+    "predict": "to predict, held out from every fit",
+}
+"""What each role of a recording means."""
 
 Ask = Callable[[Ambiguity], Choice]
 
@@ -39,12 +45,14 @@ class Imported(Summarised):
         recordings: how each was understood, by the name of its file in the case.
         case: as it was loaded from the folder.
         answers: what was asked and answered, as options of the command.
+        role: of the recordings in the case, `identify` or `predict`.
     """
 
     folder: Path
     recordings: Mapping[str, Understood]
     case: Case
     answers: tuple[str, ...] = ()
+    role: Role = "identify"
 
     def summary(self) -> Summary:
         """Columns, evidence, what to do next."""
@@ -61,6 +69,7 @@ class Imported(Summarised):
             lines += [f"{name}: rate {one.rate}", f"{name}: sign {one.sign}"]
             lines += [f"{name}: negated: {' and '.join(one.flipped)}"] if one.flipped else []
             lines += [f"{name}: note: {note}" for note in one.notes]
+        lines.append(f"{' and '.join(self.recordings)}: {ROLES[self.role]}")
         lines += [str(one) for one in warnings_of(self.case.findings)]
         if self.answers:
             lines.append(f"to import it again without questions, add: {' '.join(self.answers)}")
@@ -80,6 +89,7 @@ class Imported(Summarised):
         """As JSON content."""
         return {
             "case": str(self.folder),
+            "role": self.role,
             "recordings": [recording_record(name, one) for name, one in self.recordings.items()],
             "findings": [asdict(one) for one in self.case.findings],
         }
@@ -90,6 +100,7 @@ def import_recording(
     *,
     out: str | Path | None = None,
     into: str | Path | None = None,
+    role: Role = "identify",
     join: bool = False,
     time: str | None = None,
     angle: str | None = None,
@@ -111,6 +122,7 @@ def import_recording(
         files: a file, or several, one recording each.
         out: folder to write the case into; by default the name of the first file with `_case`.
         into: an existing case to which the recordings are added instead.
+        role: of what is added: `identify`, or `predict` for recordings that no fit may use.
         join: whether the files hold the signals of one recording, such as one channel each.
         time: column of the time as `COLUMN` or `COLUMN:UNIT`, where the files do not say it.
         angle: column of the beam's angle, likewise, or as `COLUMN:GAIN UNIT/READING+OFFSET`.
@@ -135,6 +147,10 @@ def import_recording(
         raise InputError("no file to import. Name at least one.")
     if out is not None and into is not None:
         raise InputError("--out makes a new case and --into adds to one. Give one of them.")
+    if role not in ROLES:
+        raise InputError(f"--as {role}: no role of a recording; there are {' and '.join(ROLES)}.")
+    if into is None and role == "predict":
+        raise InputError("--as predict: a new case needs recordings to identify from; add others to it with --into.")
     quantities = _quantities(rig or {})
     if into is not None and quantities:
         raise InputError("--rig is for a new case; write what is known into rig.toml of the existing one.")
@@ -150,11 +166,11 @@ def import_recording(
     command = " ".join((command, *answers))
     if into is not None:
         folder = Path(into)
-        recordings = _add(folder, understood, paths, command=command)
+        recordings = _add(folder, understood, paths, role=role, command=command)
     else:
         folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
         recordings = _write(folder, understood, paths, quantities, origin=origin, command=command, force=force)
-    return Imported(folder, recordings, load_case(folder), tuple(answers))
+    return Imported(folder, recordings, load_case(folder), tuple(answers), role)
 
 
 def _understand(
@@ -211,19 +227,19 @@ def _write(
 
 
 def _add(
-    folder: Path, understood: Sequence[Understood], inputs: Sequence[Path], *, command: str
+    folder: Path, understood: Sequence[Understood], inputs: Sequence[Path], *, role: Role, command: str
 ) -> dict[str, Understood]:
     """Add recordings to an existing case; its own files stay, but for the list in its `rig.toml`."""
     file = folder / RIG_FILE
     if not folder.is_dir() or not file.is_file():
         raise InputError(f"{folder}: not a case to add to, as there is no {RIG_FILE}. Make a new one with --out.")
     settle(folder)
-    load_checked_case(folder)  # what is wrong with it is said before anything is added
+    listed = load_checked_case(folder).identify  # what is wrong with it is said before anything is added
     taken = [int(found[1]) for one in folder.iterdir() if (found := re.fullmatch(r"rec_(\d+)\.csv", one.name))]
     first = max(taken, default=0) + 1
     recordings = {f"rec_{number:02d}.csv": one for number, one in enumerate(understood, start=first)}
     comments = [line for name, one in recordings.items() for line in described(name, one)]
-    text = with_recordings(str(file), read_source(file).text, tuple(recordings), comments)
+    text = with_recordings(str(file), read_source(file).text, tuple(recordings), comments, role=role, before=listed)
     before = _entries(folder)
     # The user's rig.toml is replaced by itself with a longer list; the other names are new.
     with all_or_nothing(folder, record=FILE, inputs=inputs, force=True) as scratch:

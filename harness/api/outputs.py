@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import pydantic_core
@@ -39,11 +40,11 @@ def trajectories(study: Study) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def metrics(study: Study) -> pd.DataFrame:
-    """One row a source and horizon; columns are the fields of `harness.metrics.Score`."""
+def metrics(study: Study, own: Mapping[str, Sequence[float]] = MappingProxyType({})) -> pd.DataFrame:
+    """One row a source and horizon; columns are the fields of `harness.metrics.Score`, then the user's own metrics."""
     import pandas as pd
 
-    return pd.DataFrame([asdict(score) for score in study.scores])
+    return pd.DataFrame([asdict(score) for score in study.scores]).assign(**own)
 
 
 def manifest(study: Study, *, command: str, wall_time: float) -> dict[str, Any]:
@@ -101,7 +102,7 @@ def write_csv(table: pd.DataFrame, file: Path) -> None:
     table.to_csv(file, index=False, float_format="%.6f")
 
 
-def write_tables(study: Study, folder: Path) -> None:
+def write_tables(study: Study, folder: Path, own: Mapping[str, Sequence[float]] = MappingProxyType({})) -> None:
     """Write trajectories.csv (micrometres) and metrics.csv (seven digits) into `folder`."""
     write_csv(trajectories(study), folder / "trajectories.csv")
-    metrics(study).to_csv(folder / "metrics.csv", index=False, float_format="%.7g")
+    metrics(study, own).to_csv(folder / "metrics.csv", index=False, float_format="%.7g")

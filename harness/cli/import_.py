@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PathType())
 @click.option("--out", type=PathType(), help="Folder of the new case [default: <name of the first FILE>_case].")
 @click.option("--into", type=PathType(), metavar="CASE", help="Add the recordings to this case instead.")
+@click.option(
+    "--as",
+    "role",
+    type=click.Choice(["identify", "predict"]),
+    default="identify",
+    show_default=True,
+    help="With --into: whether the recordings are to identify from, or held out from every fit, to predict.",
+)
 @click.option("--join", is_flag=True, help="The FILEs hold signals of one recording, such as a channel each.")
 @click.option("--time", metavar="COLUMN[:UNIT]", help="Column of the time, such as T:ms.")
 @click.option(
@@ -74,6 +82,7 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
       harness import scope.csv --angle "CH1:2.5 deg/V" --position "CH2:0.125 m/V+0.01"
       harness import trial_1.lvm trial_2.lvm --out my_rig/ --rig ball.mass_kg=0.064
       harness import trial_3.lvm --into my_rig/
+      harness import trial_4.lvm --into my_rig/ --as predict
     """
     from harness.api.importing import import_recording
     from harness.api.outputs import to_json

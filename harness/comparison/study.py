@@ -19,7 +19,7 @@ from harness.engines.health import Failure
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure
-from harness.metrics import RunComparison, Score, score
+from harness.metrics import OwnMetric, RunComparison, Score, own_value, score
 from harness.numerics import rms
 from harness.progress import Progress, Stage, silent
 
@@ -98,6 +98,21 @@ class Study:
         names = [one.name for one in self.setting.horizons]
         return self.u_val[names.index(horizon.name)]
 
+    def own_metrics(self, metrics: Mapping[str, OwnMetric]) -> dict[str, tuple[float, ...]]:
+        """Values of metrics of the user's own by name, one for each entry of `scores`.
+
+        Raises:
+            InputError: one of them fails, or gives what is not a number.
+        """
+        windows = [compared_windows(self.setting, run, self.u_val_of(run.horizon)) for run in self.runs]
+        return {
+            name: tuple(
+                own_value(name, function, each, f"{run.source}, horizon {run.horizon.name}")
+                for run, each in zip(self.runs, windows, strict=True)
+            )
+            for name, function in metrics.items()
+        }
+
     def floor(self, horizon: Horizon) -> float:
         """RMS of u_val on one horizon [m]: the expected error of a perfect model."""
         return float(np.sqrt(np.nanmean(self.u_val_of(horizon) ** 2)))
@@ -118,7 +133,15 @@ def study(
     u_val_by_horizon = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
     inputs = Inputs(u_val_by_horizon[headline.name], displaced[setting.horizons.index(headline)])
     progress("scores", share=_SCORES)
-    scores = [_score(setting, run, u_val_by_horizon[run.horizon.name]) for run in runs]
+    scores = [
+        score(
+            run.source,
+            compared_windows(setting, run, u_val_by_horizon[run.horizon.name]),
+            horizon=run.horizon.name,
+            tolerance=setting.choices.tolerance,
+        )
+        for run in runs
+    ]
     whole = setting.horizons[0]
     by_name = {run.source: run for run in runs if run.horizon is whole}
     attributions = []
@@ -160,9 +183,10 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
     return longest_first[-1][0]
 
 
-def _score(setting: Setting, run: SourceRuns, u_val: FloatArray) -> Score:
+def compared_windows(setting: Setting, run: SourceRuns, u_val: FloatArray) -> list[RunComparison]:
+    """The runs of a source on a horizon beside the measurement, each window from its own start."""
     ball, measured = setting.ball, setting.recording.position
-    windows = [
+    return [
         RunComparison(
             time=setting.time[where],
             measured=measured[where],
@@ -175,4 +199,3 @@ def _score(setting: Setting, run: SourceRuns, u_val: FloatArray) -> Score:
         )
         for i, where in enumerate(run.horizon.slices())
     ]
-    return score(run.source, windows, horizon=run.horizon.name, tolerance=setting.choices.tolerance)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import tomlkit
@@ -12,6 +13,9 @@ import tomlkit
 from harness.errors import InputError
 from harness.importing.understand import Understood
 from harness.recording.rig_file import KEYS
+
+Role = Literal["identify", "predict"]
+"""What a recording of a case is for: its list in `[recordings]` of `rig.toml`."""
 
 HEADER = "time_s,beam_angle_rad,ball_position_m\n"
 MEANINGS: Mapping[str, Mapping[str, str]] = {
@@ -98,14 +102,18 @@ def described(name: str, understood: Understood) -> list[str]:
     return [*map(_one_line, lines), *(_one_line(f"  note: {note}") for note in understood.notes)]
 
 
-def with_recordings(path: str, text: str, names: Sequence[str], added: Sequence[str]) -> str:
+def with_recordings(
+    path: str, text: str, names: Sequence[str], added: Sequence[str], *, role: Role, before: Sequence[str]
+) -> str:
     """A `rig.toml` with recordings added to its list, all else as it was, comments included.
 
     Args:
         path: of the file, for messages.
         text: its content.
-        names: files to be listed to identify from.
+        names: files to be listed.
         added: lines of comment about them.
+        role: the list of theirs.
+        before: files that are identified from so far, which a list names where there was none.
 
     Raises:
         InputError: it is not TOML, or its list is none.
@@ -114,8 +122,11 @@ def with_recordings(path: str, text: str, names: Sequence[str], added: Sequence[
         document = tomlkit.parse(text)
         recordings = document.get("recordings")
         if recordings is None:
-            return text  # then all recordings of the folder count
-        listed = recordings.setdefault("identify", tomlkit.array())
+            if role == "identify":
+                return text  # then all recordings of the folder count
+            recordings = document.setdefault("recordings", tomlkit.table())
+            recordings["identify"] = list(before)
+        listed = recordings.setdefault(role, tomlkit.array())
         for name in names:
             listed.append(name)
         for line in added:

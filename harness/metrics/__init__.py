@@ -7,6 +7,7 @@ describes each metric, its unit, and which values are better.
 
 from harness.metrics.catalogue import METRICS, Better, Metric, Score, find_metric
 from harness.metrics.errors import validation_uncertainty
+from harness.metrics.own import OwnMetric, check_names, own_value
 from harness.metrics.run_comparison import RunComparison
 from harness.metrics.score import TOLERANCE, WHOLE, horizon_name, score
 
@@ -16,10 +17,13 @@ __all__ = [
     "WHOLE",
     "Better",
     "Metric",
+    "OwnMetric",
     "RunComparison",
     "Score",
+    "check_names",
     "find_metric",
     "horizon_name",
+    "own_value",
     "score",
     "validation_uncertainty",
 ]

@@ -151,6 +151,28 @@ def test_recordings_are_added_and_what_the_user_wrote_stays(tmp_path: Path) -> N
     assert [one["sources"][0]["name"] for one in record["recordings"]] == ["log.lvm", "vectors.mat"]
 
 
+@pytest.mark.parametrize("table", [True, False])
+def test_a_recording_is_added_to_be_held_out(tmp_path: Path, table: bool) -> None:
+    """List it to predict and say so, also where rig.toml had no lists and all recordings were identified from."""
+    assert import_of("log.lvm", tmp_path).exit_code == 0
+    rig = tmp_path / "case" / "rig.toml"
+    if not table:
+        rig.write_text(rig.read_text().split("[recordings]")[0])
+    done = call(made.vectors(tmp_path / "vectors.mat"), "--into", tmp_path / "case", "--as", "predict")
+    assert done.exit_code == 0, done.stderr
+    assert "rec_02.csv: to predict, held out from every fit" in done.stdout
+    case = load_case(tmp_path / "case")
+    assert (case.identify, case.predict) == (("rec_01.csv",), ("rec_02.csv",))
+
+
+def test_a_new_case_has_a_recording_to_identify_from(tmp_path: Path) -> None:
+    """Refuse to hold out all that a new case would have, and name --into."""
+    done = import_of("log.lvm", tmp_path, "--as", "predict")
+    assert done.exit_code == 2
+    assert "add others to it with --into" in done.stderr
+    assert not (tmp_path / "case").exists()
+
+
 def test_several_files_become_several_recordings(tmp_path: Path) -> None:
     """Take each file for a recording of the same rig."""
     done = call(made.labview(tmp_path / "1.lvm"), made.vectors(tmp_path / "2.mat"), "--out", tmp_path / "case")
