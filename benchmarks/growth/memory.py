@@ -5,7 +5,6 @@ Writes the section "Memory" of `docs/reliability.md`, and ends with exit code 1 
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -38,6 +37,15 @@ _EVERY = 0.05  # between two looks at the processes [s]
 _SEED = 20
 _DONE = (0, 3)  # exit codes of a diagnosis that was written; 3 where an engine failed
 _MEGA, _KIBI = 1e6, 1024
+# Writes its child's peak into a file. That counts what the parent held when the child was begun: a launcher, little.
+_LAUNCHER = """
+import os, sys
+child = os.spawnvp(os.P_NOWAIT, sys.argv[2], sys.argv[2:])
+_, status, used = os.wait4(child, 0)
+with open(sys.argv[1], "w") as file:
+    file.write(str(used.ru_maxrss))
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
 
 
 @dataclass(frozen=True)
@@ -79,17 +87,17 @@ def peak_of(command: list[str]) -> Peak:
         RuntimeError: it failed.
     """
     together = 0
-    with tempfile.TemporaryFile("w+") as errors:
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True)
-        while not (ended := os.wait4(process.pid, os.WNOHANG))[0]:
+    with tempfile.TemporaryFile("w+") as errors, tempfile.NamedTemporaryFile("r") as largest:
+        begun = [sys.executable, "-S", "-c", _LAUNCHER, largest.name, *command]
+        process = subprocess.Popen(begun, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True)
+        while process.poll() is None:
             together = max(together, _shared_out(process.pid))
             time.sleep(_EVERY)
-        process.returncode = os.waitstatus_to_exitcode(ended[1])
         if process.returncode not in _DONE:
             errors.seek(0)
             raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}: {errors.read()[-2000:]}")
-    largest = ended[2].ru_maxrss * _KIBI
-    return Peak(largest, max(largest, together))
+        peak = int(largest.read()) * _KIBI
+    return Peak(peak, max(peak, together))
 
 
 def _shared_out(session: int) -> int:

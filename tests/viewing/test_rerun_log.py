@@ -158,7 +158,7 @@ def test_other_kinds_of_files_are_no_logs() -> None:
 def test_without_the_package_the_message_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     """Say the line that installs it."""
     monkeypatch.setitem(sys.modules, "rerun", None)
-    with pytest.raises(InputError, match=r"pip install 'ball-beam-harness\[rerun\]'"):
+    with pytest.raises(InputError, match=r"pip install 'rerun-sdk>=0.41,<0.42'"):
         check_log_target(Path("log.rrd"))
 
 

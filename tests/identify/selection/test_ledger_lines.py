@@ -93,6 +93,7 @@ def problem() -> Problem:
             readings=1000,
             reading_variance=4e-6,
             colour=WHITE,
+            roughness=1.0,
             model=CAM,
             rig=Rig(),
             declared=(acting("viscous_damping", {"coefficient": 0.01}),),
