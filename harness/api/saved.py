@@ -151,12 +151,11 @@ class LoadedDiagnosis(Summarised):
     def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
         """The columns of a prediction; the effects are beside the catalogue."""
         from harness.identify.estimate.forecast import forecast
-        from harness.identify.model_file import read_model, rig_of
-        from harness.identify.problem.problem import PreparedRecording
+        from harness.identify.model_file import prepared_for, read_model, rig_of
         from harness.preparation.recordings import observe
 
         model = self.record.model
-        record = PreparedRecording.of(observe(read, sensors, rig_of(model))).rougher(model.roughness)
+        record = prepared_for(model, observe(read, sensors, rig_of(model)))
         problem, found = read_model(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 

@@ -17,6 +17,7 @@ from harness.identify.problem.problem import Colour, PreparedRecording, Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.record import AT_BOUND, ModelRecord, RigRecord, SensorsRecord, covariance_fault, unusable
 from harness.identify.selection.ledger_record import colour_record, declared_record
+from harness.preparation.recordings import Observed
 from harness.recording import Sensors
 
 
@@ -58,12 +59,17 @@ def rig_of(kept: ModelRecord) -> Rig:
     return Rig(**kept.rig.model_dump())
 
 
+def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:
+    """A recording as the model takes it: with the roughness of the beam's motion that it was identified with."""
+    return PreparedRecording.of(observed).rougher(kept.roughness)
+
+
 def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
     """The problem and fit with which to predict `recording`.
 
     Args:
         kept: as `model_record` made it.
-        recording: smoothed with its `roughness`.
+        recording: from `prepared_for`.
         origin: the file, for messages.
 
     Raises:

@@ -18,13 +18,13 @@ from harness.engines.protocol import Engine, EngineRun
 from harness.errors import EngineFailure
 from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
-from harness.identify.model_file import read_model, rig_of
-from harness.identify.problem.problem import PreparedRecording
+from harness.identify.model_file import prepared_for, read_model, rig_of
 from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
 from harness.identify.validation.engine_errors import law_of
 from harness.preparation.recordings import observe
 from harness.signals.ball_state import BallEstimate
+from harness.signals.drive import Drive
 
 FEWEST = 4  # stamps of a run that is worth showing, and that a cubic goes through
 Law = Callable[[FloatArray, float], None]
@@ -57,7 +57,7 @@ class ShownRun:
 
 @dataclass(frozen=True)
 class _Acting:
-    """What acts in a run: effects, the rig before them, how the ball lies at the start [rad], an unlisted law.
+    """What acts in a run: effects, the rig before them, the drive, how the ball lies at the start [rad], a further law.
 
     `state` gives s [m], ṡ [m/s] of the ball that is recorded at a stamp, by its number, and what a lagging sensor has
     of it [m]; without it they are those of the smoothed readings.
@@ -66,6 +66,7 @@ class _Acting:
     effects: tuple[Acting, ...]
     rig: Rig
     ball: BallEstimate
+    drive: Drive
     phase: float = 0.0
     law: Law | None = None
     state: Callable[[int], tuple[float, float, float]] | None = None
@@ -84,7 +85,7 @@ def run_without(setting: Setting, engine: Engine, given: Mapping[str, Any], *, b
         EngineFailure: the run is invalid.
         InputError: a setting is none of the engine's.
     """
-    acting = _Acting(setting.acting, setting.rig, setting.ball)
+    acting = _Acting(setting.acting, setting.rig, setting.ball, setting.drive)
     first = _after_run_in(setting) if beside else int(setting.horizons[0].first[0])
     return _run("as rig.toml says", setting, engine, given, acting, first)
 
@@ -105,7 +106,7 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
         InputError: the model cannot be used.
     """
     observed = observe(setting.recording, setting.case.sensors, rig_of(model))
-    prepared = PreparedRecording.of(observed)
+    prepared = prepared_for(model, observed)
     problem, found = read_model(model, prepared, origin)
     own = own_of(problem, found, prepared, prepared.reading)
     spline = found.terms.spline
@@ -120,7 +121,7 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
         return position, velocity, lagging
 
     first = _after_run_in(setting)
-    acting = _Acting(effects, problem.rig, observed.ball, own.phase, law, state)
+    acting = _Acting(effects, problem.rig, observed.ball, prepared.drive, own.phase, law, state)
     return _run(told, setting, engine, given, acting, first)
 
 
@@ -135,7 +136,7 @@ def _run(
 ) -> ShownRun:
     effects, ball = acting.effects, acting.ball
     rig, sensor = rig_with(acting.rig, effects), sensor_with(effects)
-    motion = motion_for_engine(effects, setting.drive, setting.time)
+    motion = motion_for_engine(effects, acting.drive, setting.time)
     recorded_at, at = _stamps(setting.time, sensor, first)
     stamp = int(np.searchsorted(setting.time, recorded_at[0]))
     position, velocity, lagging = (acting.state or _smoothed(setting.time, ball, sensor))(stamp)

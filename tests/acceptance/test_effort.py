@@ -18,7 +18,7 @@ from harness.api.tuning import tune
 from harness.comparison import Choices
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of
 from harness.errors import InputError
-from tests.acceptance.conftest import Harness
+from tests.acceptance.conftest import Harness, Outcome
 from tests.acceptance.short import write_short_case
 from tests.recording.simulated import csv_text
 from tests.shared_data import measured_rigs
@@ -36,14 +36,19 @@ def test_ordinary_use_is_not_asked(rig: Path) -> None:
         ask(comparison_time(longest, engines, Choices()), comparison_memory(one, engines, Choices()), "", yes=False)
 
 
+def asked(done: Outcome) -> str:
+    """The one message of a command that ended with 2 and says how to go on all the same."""
+    assert done.code == 2
+    (message,) = done.errors
+    assert "--yes" in message
+    return message
+
+
 def test_a_long_run_asks(harness: Harness, tmp_path: Path) -> None:
     """Say how long small steps take and what to do, end with 2, write nothing."""
     case = write_short_case(tmp_path / "case")
     done = harness("run", case, "--set", "pybullet.time_step=2e-6", "--out", tmp_path / "out")
-    assert done.code == 2
-    (message,) = done.errors
-    assert "this would take some" in message
-    assert "--yes" in message
+    assert "this would take some" in asked(done)
     assert not (tmp_path / "out").exists()
 
 
@@ -94,11 +99,9 @@ def test_what_memory_does_not_hold_asks(harness: Harness, tmp_path: Path) -> Non
     """Refuse to compare a long recording in windows, whose arrays grow with the square of its length."""
     out = tmp_path / "out"
     done = harness("run", long_recording(tmp_path), "--engine", "mujoco", "--out", out)
-    assert done.code == 2
-    (message,) = done.errors
+    message = asked(done)
     assert "this would take up to " in message  # 5 minutes, which is not too long
     assert "GB of memory, more than 4; set a longer time_step" in message
-    assert "--yes" in message
     assert not out.exists()
 
 
@@ -126,10 +129,7 @@ def test_a_large_sweep_asks(harness: Harness, tmp_path: Path) -> None:
     spec = tmp_path / "fine.toml"
     spec.write_text('cases = ["case"]\nsources = ["mujoco"]\ntime_step = [2e-6]\n', encoding="utf-8")
     done = harness("sweep", spec, "--jobs", "8", "--out", tmp_path / "out")
-    assert done.code == 2
-    (message,) = done.errors
-    assert "GB of memory, more than 4; sweep fewer points" in message
-    assert "--yes" in message
+    assert "GB of memory, more than 4; sweep fewer points" in asked(done)
     assert not (tmp_path / "out").exists()
 
 

@@ -5,12 +5,15 @@ import pytest
 
 import harness
 from analytic.effects import SensorLaw
+from harness.api.saved import load_diagnosis
 from harness.comparison import Choices, prepare
 from harness.comparison.sources import run_engine
 from harness.engines.catalogue import engine_of
 from harness.recording import load_case
 from harness.viewing.runs import _lagging, rms_and_largest, run_with, run_without
 from tests.acceptance.short import write_short_case
+
+SEED = Path(__file__).parents[2] / "benchmarks" / "fuzz" / "seeds" / "diagnosis.json"
 
 
 def test_without_a_diagnosis_the_run_is_that_of_a_comparison(tmp_path: Path) -> None:
@@ -53,3 +56,16 @@ def test_with_a_diagnosis_the_error_is_that_of_its_engines() -> None:
     assert rms == pytest.approx(after, abs=25e-6)
     before, _ = rms_and_largest(run_without(setting, engine, {}, beside=True), setting.time, reading)
     assert before > 2.0 * rms
+
+
+def test_a_run_has_the_beam_of_its_diagnosis(tmp_path: Path) -> None:
+    """Turn the beam as roughly as the diagnosis found that it moves; without one, as a comparison does."""
+    setting, engine = prepare(load_case(write_short_case(tmp_path / "case")), Choices()), engine_of("mujoco")
+    model = load_diagnosis(SEED).record.model.model_copy(update={"roughness": 100.0})
+    beams = [
+        run.motion.evaluate(setting.time)
+        for run in (run_without(setting, engine, {}), run_with(setting, engine, {}, model, ""))
+    ]
+    np.testing.assert_array_equal(beams[0], setting.drive.evaluate(setting.time))
+    np.testing.assert_array_equal(beams[1], setting.drive.rougher(100.0).evaluate(setting.time))
+    assert np.any(beams[0] != beams[1])

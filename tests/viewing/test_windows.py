@@ -144,14 +144,21 @@ def test_both_balls_are_seen_and_enter_switches_the_effects(case: Path, engine: 
     assert f"{engine}, simulated, beside the measured ball" in out
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", ENGINES)
-def test_the_window_managers_button_ends_the_command(case: Path, engine: str) -> None:
-    """End with 0 and the errors of the runs where the window is closed by its button."""
+@contextmanager
+def standing(case: Path, engine: str) -> Iterator[tuple[Screen, subprocess.Popen[str], str]]:
+    """The window once it stands at the end of a run and the recorded ball is drawn."""
     with screen(1280, 720) as on, viewing(on, case, engine, *STANDING) as (process, window):
         within_patience(
             lambda: True if ghost(on.picture(window), engine).sum() > 50 else None, "drawing the recorded ball"
         )
+        yield on, process, window
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_window_managers_button_ends_the_command(case: Path, engine: str) -> None:
+    """End with 0 and the errors of the runs where the window is closed by its button."""
+    with standing(case, engine) as (on, process, window):
         on.close(window)
         out, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 0, err
@@ -164,10 +171,7 @@ def test_the_window_managers_button_ends_the_command(case: Path, engine: str) ->
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_terminated_command_takes_its_window_along(case: Path, engine: str) -> None:
     """End with 143 and leave no window."""
-    with screen(1280, 720) as on, viewing(on, case, engine, *STANDING) as (process, window):
-        within_patience(
-            lambda: True if ghost(on.picture(window), engine).sum() > 50 else None, "drawing the recorded ball"
-        )
+    with standing(case, engine) as (on, process, _):
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 143, err
