@@ -7,6 +7,7 @@ from analytic.effects.effect import Effect, Relations, adding
 from analytic.effects.parameter import Parameter
 from analytic.effects.source_code import Code
 from analytic.effects.track import LEVEL_ERROR
+from analytic.rig import Rig
 
 # A friction that acts wherever the ball is, however it lies and whenever, is a curve of any of these.
 _OF_VELOCITY = (("velocity", False),)
@@ -20,7 +21,15 @@ _STRIBECK = (
     "{kinetic_coefficient} + fmax({static_coefficient} - {kinetic_coefficient}, 0.0)"
     " * exp(-(v / {stribeck_velocity}) * (v / {stribeck_velocity}))"
 )
+_USUAL = 0.002  # a friction of usual size, as a share of the normal force [1]
 _SLOW = 0.1  # a drag is implausible if it lets the ball roll no faster down that slope [m/s]
+_GIVES = (3e-4, 3e-5, 3e-6)  # by how much a usual friction gives way before it holds, where fits begin [m]
+_RIGID = 3e-7  # what gives way by less is rigid for any sensor of the position [m]
+
+
+def _stiffness(give: float, rig: Rig) -> float:
+    """Stiffness of the presliding [N/m] with which a friction of usual size gives way by `give` [m]."""
+    return _USUAL * rig.mass * rig.gravity / give
 
 
 def _coefficient(name: str, start: float, typical: float = 0.003) -> Parameter:
@@ -123,9 +132,17 @@ PRESLIDING_HYSTERESIS = Effect(
     "presliding_hysteresis",
     "dF/ds = −σ (1 + F sign(ṡ)/(c N)): elastic micro-displacement before rolling",
     (
-        _coefficient("coefficient", 0.002),
+        _coefficient("coefficient", _USUAL),
         # a softer spring than 0.1 N/m gives way by the length of the beam before it holds anything
-        Parameter("stiffness", "N/m", 0.1, 1e5, 20.0, starts=(10.0, 100.0, 1000.0)),
+        Parameter(
+            "stiffness",
+            "N/m",
+            0.1,
+            1e5,
+            20.0,
+            starts=lambda visited, rig: [_stiffness(give, rig) for give in _GIVES],
+            fitted=lambda visited, rig: (0.1, min(max(_stiffness(_RIGID, rig), 1.0), 1e5)),
+        ),
     ),
     "Dahl, A Solid Friction Model, 1968",
     write=adding(lambda k, rig, v: {slots.DAHL: v["coefficient"], slots.DAHL_STIFFNESS: k * v["stiffness"] / rig.mass}),

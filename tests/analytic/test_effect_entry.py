@@ -95,6 +95,16 @@ def test_a_curvature_is_looked_for_in_the_middle() -> None:
     assert list(centre.starts_on(VISITED, RIG)) == pytest.approx([0.35])
 
 
+@pytest.mark.parametrize("mass", [0.0027, 0.071, 1.0])
+def test_a_presliding_is_looked_for_where_a_sensor_sees_it(mass: float) -> None:
+    """Let a usual friction give way by 3 µm to 0.3 mm at the start, and never by less than any sensor can tell."""
+    stiffness, rig = CATALOGUE["presliding_hysteresis"].parameters[1], RIG.with_(mass=mass)
+    (low, high), friction = stiffness.bounds_on(VISITED, rig), 0.002 * mass * rig.gravity
+    assert [friction / start for start in stiffness.starts_on(VISITED, rig)] == pytest.approx([3e-4, 3e-5, 3e-6])
+    assert low < min(stiffness.starts_on(VISITED, rig)) < max(stiffness.starts_on(VISITED, rig)) < high
+    assert friction / high == pytest.approx(3e-7)
+
+
 def test_the_first_parameter_of_a_force_is_its_strength() -> None:
     """Take what is marked as strength; of a force, if nothing is, the first parameter; of anything else, none."""
     force = Force("position", lambda s, size, width: size * np.exp(-((s / width) ** 2)))

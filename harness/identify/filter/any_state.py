@@ -68,7 +68,8 @@ def any_state(
     sensed, last = states[0], size - 1
     x, moved, nudged, f = np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(size)
     F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES))
-    ahead, behind, dry = np.zeros(8), np.zeros(8), points and not slips and has_dry_friction(p)
+    ahead, behind = np.zeros(8), np.zeros(8)
+    bends = points and (slips or p[DAHL] != 0.0 or has_dry_friction(p))
     row_of_v = 2 if lag > 0.0 else 1
     local = np.empty((3, beam.table.shape[1]))
     L[:] = memory.root[:size, :size]
@@ -113,7 +114,8 @@ def any_state(
                 F[last, last], moved[_COLOUR] = kept, kept * x[_COLOUR]
                 M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
-            if dry and not math.isnan(position[k]) and may_stop(x[1], moved[1], _square(L, row_of_v)):
+            # slip begins and ends at any velocity
+            if bends and not math.isnan(position[k]) and (slips or may_stop(x[1], moved[1], _square(L, row_of_v))):
                 nudged[:] = moved  # the mean, increased by second differences
                 for j in range(size):
                     ahead[:] = x

@@ -5,7 +5,8 @@ filter that it knows a ball at rest exactly, or a wrong mean after a stop, and w
 seems to be an effect. Second-order divided differences over ±√3 standard deviations along the columns of the root L
 (Nørgaard, Poulsen and Ravn, Automatica 36, 2000) give mean and covariance as well as a Gaussian can have them. A run
 without readings goes on from the mean by slopes: it is the path of one ball, not the mean of balls of which some have
-stopped.
+stopped. A ball with Dahl friction that turns round, or one whose slip may begin or end, is no different; and were such
+steps taken by slopes, a second friction of no size at all would seem to explain what points explain.
 """
 
 from __future__ import annotations

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from analytic.effects import Acting, SensorLaw, acting
+from analytic.effects import CATALOGUE, Acting, SensorLaw, acting
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import fit
 from harness.identify.filter.any_state import any_state
 from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Memory, Readings, Sensor
 from harness.identify.filter.ekf import extended_kalman_filter, penalty
-from harness.identify.filter.run import dynamics, run_filter
+from harness.identify.filter.run import deviance, dynamics, run_filter
 from harness.identify.filter.usual_state import usual_state
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis, Own, Terms
@@ -129,6 +129,30 @@ def test_no_variance_is_ever_negative(plain: Posed, effects: dict[str, dict[str,
             assert np.all(out.innovation_variance >= reading_variance)
             assert np.all(out.position_variance >= 0.0)
             assert np.all(np.isfinite(out.state))
+
+
+@pytest.mark.parametrize(
+    ("effects", "idle"),
+    [
+        ({"presliding_hysteresis": (0.002, 25.0)}, {"rolling_resistance": (1e-12,)}),
+        ({"rolling_resistance": (0.002,)}, {"contact_slip": (2.0,)}),
+    ],
+    ids=["beside Dahl friction", "beside dry friction"],
+)
+def test_an_effect_of_no_size_explains_nothing(
+    plain: Posed, effects: dict[str, tuple[float, ...]], idle: dict[str, tuple[float, ...]]
+) -> None:
+    """Give the same likelihood with a second friction that does nothing: steps that bend are taken alike."""
+
+    def found(named: dict[str, tuple[float, ...]]) -> float:
+        acts = tuple(
+            acting(name, {one.name: value for one, value in zip(CATALOGUE[name].parameters, values, strict=True)})
+            for name, values in named.items()
+        )
+        return deviance(replace(plain.problem, declared=()), Terms((), acts, np.zeros(0), None), 1e-8)
+
+    # Points wherever the ball is, or near its stops only: by less than a fit is exact to.
+    assert found(effects | idle) == pytest.approx(found(effects), abs=plain.problem.settings.converged)
 
 
 def test_spikes_weigh_little() -> None:
