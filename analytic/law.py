@@ -14,7 +14,7 @@ from analytic.motion import FloatArray
 
 # What a spline term depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the
 # ball or a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
-OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
+OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, PERIODIC, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
     1.0,
     2.0,
     3.0,
@@ -22,6 +22,7 @@ OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, DRY_OF_POSITION, DRY_OF_ROLL, DRY_O
     5.0,
     6.0,
     7.0,
+    8.0,
 )
 _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
@@ -52,7 +53,7 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
         result -= p[slots.QUADRATIC] * abs(v) * v
     if p[slots.IMBALANCE] != 0.0:
         result += p[slots.IMBALANCE] * np.sin(rolled(s, p))
-    if p[slots.SHAPE] == OF_POSITION:
+    if p[slots.SHAPE] == OF_POSITION or p[slots.SHAPE] == PERIODIC:
         result += p[slots.RESPONSE] * spline_term(s, p)
     elif p[slots.SHAPE] == OF_VELOCITY:
         result += p[slots.RESPONSE] * spline_term(v, p)
@@ -90,11 +91,11 @@ def accelerations(s: FloatArray, v: FloatArray, beam: FloatArray, p: FloatArray)
 def spline_term(at: float, p: FloatArray) -> float:
     """A Catmull–Rom spline through the nodes in the vector, constant beyond its ends.
 
-    Over the rolled angle it is periodic.
+    Over the rolled angle it is periodic, over the position if its kind says so.
     """
     count = int(p[slots.SHAPE_COUNT])
     place = (at - p[slots.SHAPE_LOW]) / p[slots.SHAPE_STEP]
-    if p[slots.SHAPE] == OF_ROLL or p[slots.SHAPE] == DRY_OF_ROLL:
+    if p[slots.SHAPE] == OF_ROLL or p[slots.SHAPE] == DRY_OF_ROLL or p[slots.SHAPE] == PERIODIC:
         node = int(np.floor(place))
         t = place - node
         before, here = p[slots.SHAPE_NODES + (node - 1) % count], p[slots.SHAPE_NODES + node % count]

@@ -104,6 +104,7 @@ def _shape(spline: SplineTerm) -> ShapeRecord:
         friction=spline.friction,
         low=spline.low,
         step=spline.step,
+        periodic=spline.periodic,
     )
 
 

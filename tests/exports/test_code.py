@@ -23,8 +23,15 @@ PHASE = 0.7  # [rad]
 ROUNDED = 1e-10
 PRINTED = 6e-10  # the example prints nine decimals [m]
 SPLINES = [
-    SplineTerm(depends, friction, 0.05, 0.11, (0.003 if friction else 0.05) * np.sin(np.arange(1.0, 7.0)) ** 2)
-    for depends, friction in KINDS
+    SplineTerm(
+        kind.depends,
+        kind.friction,
+        0.05,
+        0.11,
+        (0.003 if kind.friction else 0.05) * np.sin(np.arange(1.0, 7.0)) ** 2,
+        kind.periodic,
+    )
+    for kind in KINDS
 ]
 
 

@@ -14,7 +14,7 @@ from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
-from harness.identify.problem.spline_term import Regressor, blank
+from harness.identify.problem.spline_term import Kind, Regressor, blank
 from harness.identify.record import FindingRecord
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
@@ -247,7 +247,7 @@ def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, ca
     """Name the spline term of something else that comes closest, not the same one with more nodes, nor an effect."""
     problem, base = diagnosis.problem, diagnosis.base
     kinds = (Regressor.POSITION, Regressor.ANGLE)
-    terms = [blank(kind, False, *visited(problem, kind)) for kind in kinds]
+    terms = [blank(Kind(kind), *visited(problem, kind)) for kind in kinds]
     found, other, finer = (
         fit(problem, Hypothesis((), one), process_noise=base.process_noise) for one in (*terms, terms[0].finer())
     )
@@ -265,7 +265,7 @@ def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, ca
 @pytest.mark.slow
 def test_a_spline_term_has_a_section_of_its_own(diagnosis, case):
     """An unlisted force is drawn against what it depends on."""
-    term = blank(Regressor.POSITION, False, *visited(diagnosis.problem, Regressor.POSITION))
+    term = blank(Kind(Regressor.POSITION), *visited(diagnosis.problem, Regressor.POSITION))
     found = fit(diagnosis.problem, Hypothesis((), term), process_noise=diagnosis.base.process_noise)
     entry = line(Rule.SPLINE, (), found, diagnosis.base, kept=True)
     unlisted = replace(diagnosis, verdict=Verdict.UNLISTED, effects=(), found=found, ledger=(*diagnosis.ledger, entry))

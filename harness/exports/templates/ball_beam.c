@@ -22,7 +22,7 @@ typedef struct {
 } row_t;
 {% if spline is not none %}
 
-/* The law that no catalogue lists: a Catmull-Rom spline of {{ spline.depends.value }} [{{ spline.unit|line }}]. */
+/* The law that no catalogue lists: a Catmull-Rom spline of {{ spline.depends.value }}{{ ', periodic' if spline.periodic }} [{{ spline.unit|line }}]. */
 static const double NODES[] = { {%- for one in nodes %}{{ one|exact }}{{ ", " if not loop.last }}{% endfor -%} };
 #define NODE_COUNT {{ nodes|length }}
 #define NODE_LOW ({{ spline.low|exact }})
@@ -30,7 +30,7 @@ static const double NODES[] = { {%- for one in nodes %}{{ one|exact }}{{ ", " if
 
 static double spline(double at) {
   double place = (at - NODE_LOW) / NODE_STEP, before, here, there, after;
-{% if spline.turning %}
+{% if spline.closed %}
   long node = (long)floor(place);
   double t = place - (double)node;
   long n = ((node % NODE_COUNT) + NODE_COUNT) % NODE_COUNT;

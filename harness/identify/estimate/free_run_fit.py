@@ -145,7 +145,7 @@ def _starting_points(
             starts = [factor * start for start in starts for factor in _STRENGTHS]
         choices.append([initial[key]] if key in initial else starts)
     own = [initial.get(own_key(name, one.name), 0.0) for name in hypothesis.own for one in problem.recordings]
-    tail = [*own, *(hypothesis.spline.nodes if hypothesis.spline else [])]
+    tail = [*own, *(hypothesis.spline.numbers if hypothesis.spline else [])]
     scale = hypothesis.scale(problem)
     return [np.array([*values, *tail]) / scale for values in itertools.product(*choices)]
 

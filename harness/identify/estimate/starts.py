@@ -39,7 +39,7 @@ def starting_points(
         else:
             values = (parameter.starts_on(problem.visited, problem.rig) for parameter in effect.parameters)
             choices.append([list(chosen) for chosen in itertools.product(*values)])
-    own, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.nodes) if hypothesis.spline else []
+    own, nodes = hypothesis.tail(problem)[0], list(hypothesis.spline.numbers) if hypothesis.spline else []
     starts = []
     for combination in itertools.product(*choices):
         theta = np.array([*itertools.chain(*combination), *[0.0] * own, *nodes]) / hypothesis.scale(problem)

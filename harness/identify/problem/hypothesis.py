@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,8 @@ from harness.identify.problem.spline_term import SplineTerm
 _NODE_DIFFERENCE = {False: 1.0, True: 3.0}
 
 
+# How well the period of a force that repeats itself along the beam is known at first, and where a fit ends [m].
+_PERIOD, _SHORTEST, _LONGEST = 1e-3, 0.01, 10.0
 OWN_DEVIATION = 0.02  # prior standard deviation of a recording's own level [rad]: a hundred times what readings leave
 PHASE = "phase"
 
@@ -76,7 +78,7 @@ class Hypothesis:
     """Effects by name, in the order in which they were found, and possibly a spline term.
 
     The scaled parameters θ, each divided by its typical size, are those of the effects that are alike in all
-    recordings, then what each recording has of its own, then the nodes of the spline term.
+    recordings, then what each recording has of its own, then the numbers of the spline term.
     """
 
     names: tuple[str, ...]
@@ -125,8 +127,8 @@ class Hypothesis:
         return any(effect.turning for effect in self.effects) or (self.spline is not None and self.spline.turning)
 
     def tail(self, problem: Problem) -> tuple[int, int]:
-        """Number of values that recordings have of their own and of nodes of the spline term: θ after the effects'."""
-        return len(problem.recordings) * len(self.own), len(self.spline.nodes) if self.spline else 0
+        """Number of values that recordings have of their own and of the spline term's: θ after the effects'."""
+        return len(problem.recordings) * len(self.own), len(self.spline.numbers) if self.spline else 0
 
     def size(self, problem: Problem) -> int:
         """Number of parameters k."""
@@ -134,17 +136,23 @@ class Hypothesis:
 
     def scale(self, problem: Problem) -> FloatArray:
         """Typical size of each parameter in its unit, shape (k,): value = θ · scale."""
-        nodes = self.tail(problem)[1]
-        node = 0.0 if self.spline is None else 0.003 if self.spline.friction else 0.03
         sizes = [parameter.size(problem.rig) for parameter in self._effect_parameters]
         own = [size for name in self.own for size in [_own_size(name)] * len(problem.recordings)]
-        return np.array(sizes + own + [node] * nodes)
+        return np.array(sizes + own + self._spline_sizes())
+
+    def _spline_sizes(self) -> list[float]:
+        if self.spline is None:
+            return []
+        nodes = [0.003 if self.spline.friction else 0.03] * len(self.spline.nodes)
+        return [_PERIOD, *nodes] if self.spline.periodic else nodes
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest scaled parameters, shape (k,) each."""
-        free = sum(self.tail(problem))
         limits = [parameter.bounds_on(problem.visited, problem.rig) for parameter in self._effect_parameters]
-        low, high = np.array([*limits, *[(-np.inf, np.inf)] * free]).reshape(-1, 2).T
+        limits += [(-np.inf, np.inf)] * sum(self.tail(problem))
+        if self.spline is not None and self.spline.periodic:
+            limits[-len(self.spline.numbers)] = _SHORTEST, _LONGEST
+        low, high = np.array(limits).reshape(-1, 2).T
         scale = self.scale(problem)
         return low / scale, high / scale
 
@@ -163,7 +171,7 @@ class Hypothesis:
             return own
         count = len(self.spline.nodes)
         steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
-        steps = steps if self.spline.turning else steps[:-1]
+        steps = steps if self.spline.closed else steps[:-1]
         penalty = steps / _NODE_DIFFERENCE[self.spline.friction]
         return np.vstack((own, np.hstack((np.zeros((len(steps), self.size(problem) - count)), penalty))))
 
@@ -182,7 +190,7 @@ class Hypothesis:
             for effect in self.effects
         )
         phases = each.pop(PHASE, np.zeros(len(problem.recordings)))
-        spline = replace(self.spline, nodes=values[-len(self.spline.nodes) :]) if self.spline else None
+        spline = self.spline.with_numbers(values[-len(self.spline.numbers) :]) if self.spline else None
         return Terms(tuple(recording.name for recording in problem.recordings), acting, phases, spline, each)
 
 

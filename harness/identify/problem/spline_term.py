@@ -2,7 +2,8 @@
 
 A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
 friction. The nodes are equidistant over the range of the recordings. The rolled angle counts
-from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter.
+from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter. A force of position may repeat
+itself along the beam, with a period that is a parameter too: few nodes then tell what else takes dozens.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from analytic.law import (
     OF_POSITION,
     OF_ROLL,
     OF_VELOCITY,
+    PERIODIC,
     spline_term,
     spline_term_at,
 )
@@ -41,17 +43,26 @@ class Regressor(StrEnum):
     TIME = "time"
 
 
+class Kind(NamedTuple):
+    """What a spline term depends on, whether it is a friction coefficient, whether it repeats itself along the beam."""
+
+    depends: Regressor
+    friction: bool = False
+    periodic: bool = False
+
+
 _KERNEL = {
-    (Regressor.POSITION, False): OF_POSITION,
-    (Regressor.VELOCITY, False): OF_VELOCITY,
-    (Regressor.ANGLE, False): OF_ANGLE,
-    (Regressor.ROLL_ANGLE, False): OF_ROLL,
-    (Regressor.POSITION, True): DRY_OF_POSITION,
-    (Regressor.ROLL_ANGLE, True): DRY_OF_ROLL,
-    (Regressor.TIME, True): DRY_OF_TIME,
+    Kind(Regressor.POSITION): OF_POSITION,
+    Kind(Regressor.VELOCITY): OF_VELOCITY,
+    Kind(Regressor.ANGLE): OF_ANGLE,
+    Kind(Regressor.ROLL_ANGLE): OF_ROLL,
+    Kind(Regressor.POSITION, periodic=True): PERIODIC,
+    Kind(Regressor.POSITION, friction=True): DRY_OF_POSITION,
+    Kind(Regressor.ROLL_ANGLE, friction=True): DRY_OF_ROLL,
+    Kind(Regressor.TIME, friction=True): DRY_OF_TIME,
 }
-KINDS = ((Regressor.TIME, False), *_KERNEL)
-"""Kinds of spline terms that are tried: (regressor, whether it is a friction coefficient)."""
+KINDS = (Kind(Regressor.TIME), *_KERNEL)
+"""Kinds of spline terms that are tried."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +73,8 @@ class SplineTerm:
         depends: its regressor.
         friction: whether it is a coefficient of dry friction [1] rather than a force per mass [m/s²].
         low, step: first node and distance of nodes, in the unit of the regressor.
-        nodes: values, shape (n,), n at most MOST_NODES; periodic for the rolled angle.
+        nodes: values, shape (n,), n at most MOST_NODES; those of a closed one are of one turn or period.
+        periodic: whether a force of position repeats itself along the beam, after n steps.
     """
 
     depends: Regressor
@@ -70,6 +82,33 @@ class SplineTerm:
     low: float
     step: float
     nodes: FloatArray
+    periodic: bool = False
+
+    @property
+    def kind(self) -> Kind:
+        """What it depends on and how."""
+        return Kind(self.depends, self.friction, self.periodic)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the last node is followed by the first: over the rolled angle, or periodic."""
+        return self.turning or self.periodic
+
+    @property
+    def period(self) -> float:
+        """Length after which a closed one repeats itself, in the unit of the regressor."""
+        return self.step * len(self.nodes)
+
+    @property
+    def numbers(self) -> FloatArray:
+        """What is fitted: the nodes, after the period [m] of a periodic one; shape (n,) or (n + 1,)."""
+        return np.concatenate(([self.period], self.nodes)) if self.periodic else self.nodes
+
+    def with_numbers(self, numbers: FloatArray) -> Self:
+        """The same kind of spline with these `numbers`."""
+        if not self.periodic:
+            return replace(self, nodes=numbers)
+        return replace(self, step=float(numbers[0]) / len(self.nodes), nodes=numbers[1:])
 
     @property
     def places(self) -> FloatArray:
@@ -84,7 +123,7 @@ class SplineTerm:
     @property
     def name(self) -> str:
         """Name in the ledger."""
-        return f"spline of {self.depends}{' in friction' if self.friction else ''}"
+        return f"{'periodic ' * self.periodic}spline of {self.depends}{' in friction' * self.friction}"
 
     @property
     def unit(self) -> str:
@@ -103,7 +142,7 @@ class SplineTerm:
     def _alone(self) -> FloatArray:
         """A kernel's vector with nothing but the spline, shape (SLOTS,)."""
         p = np.zeros(SLOTS)
-        self._write(p, _KERNEL.get((self.depends, self.friction), DRY_OF_TIME))
+        self._write(p, _KERNEL.get(self.kind, DRY_OF_TIME))
         return p
 
     def write(self, p: FloatArray, phase: float = 0.0) -> None:
@@ -112,7 +151,7 @@ class SplineTerm:
         Args:
             phase: φ₀ [rad].
         """
-        kind = _KERNEL.get((self.depends, self.friction))
+        kind = _KERNEL.get(self.kind)
         if kind is not None:
             self._write(p, kind)
         if self.turning:
@@ -140,7 +179,7 @@ class SplineTerm:
 
     @property
     def _finer_count(self) -> int:
-        return 2 * len(self.nodes) - (0 if self.turning else 1)
+        return 2 * len(self.nodes) - (0 if self.closed else 1)
 
     @property
     def refinable(self) -> bool:
@@ -148,7 +187,7 @@ class SplineTerm:
         return self._finer_count <= MOST_NODES
 
     def finer(self) -> Self:
-        """The same spline with nodes at half the distance: 2 n − 1 of them, 2 n if it is periodic."""
+        """The same spline with nodes at half the distance: 2 n − 1 of them, 2 n if it is closed."""
         count = self._finer_count
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
@@ -156,7 +195,12 @@ class SplineTerm:
     def record(self) -> SplineTermRecord:
         """As JSON, without the values of the nodes."""
         return SplineTermRecord(
-            depends=self.depends.value, friction=self.friction, low=self.low, step=self.step, nodes=len(self.nodes)
+            depends=self.depends.value,
+            friction=self.friction,
+            low=self.low,
+            step=self.step,
+            nodes=len(self.nodes),
+            periodic=self.periodic,
         )
 
     @classmethod
@@ -168,10 +212,12 @@ class SplineTerm:
         """
         if not 2 <= record.nodes <= MOST_NODES:
             raise ValueError(f"a spline term of {record.nodes} nodes")
-        return cls(Regressor(record.depends), record.friction, record.low, record.step, np.zeros(record.nodes))
+        nodes = np.zeros(record.nodes)
+        return cls(Regressor(record.depends), record.friction, record.low, record.step, nodes, record.periodic)
 
 
-def blank(depends: Regressor, friction: bool, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
-    """The zero spline term with `count` nodes over the range from `low` to `high`."""
-    steps = count if depends is Regressor.ROLL_ANGLE else count - 1
-    return SplineTerm(depends, friction, low, max(high - low, 1e-9) / steps, np.zeros(count))
+def blank(kind: Kind, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
+    """The zero spline term with `count` nodes over the range from `low` to `high`, for a periodic one its period."""
+    closed = kind.periodic or kind.depends is Regressor.ROLL_ANGLE
+    step = max(high - low, 1e-9) / (count if closed else count - 1)
+    return SplineTerm(kind.depends, kind.friction, low, step, np.zeros(count), kind.periodic)

@@ -43,7 +43,10 @@ class EffectRecord(Part):
 
 
 class ShapeRecord(Part):
-    """The nodes of a spline term: `values` [`unit`] at abscissae `at`, in the unit of its regressor."""
+    """The nodes of a spline term: `values` [`unit`] at abscissae `at`, in the unit of its regressor.
+
+    Those of a periodic one are of one period, after which they repeat themselves.
+    """
 
     at: tuple[Finite, ...]
     values: tuple[Finite, ...]
@@ -51,6 +54,7 @@ class ShapeRecord(Part):
     friction: bool
     low: Finite
     step: Positive
+    periodic: bool = False
 
     @model_validator(mode="after")
     def _of_one_length(self) -> ShapeRecord:

@@ -22,6 +22,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
 from harness.progress import Progress
 
+_FEW = 2  # effects that may explain a recording; more of them may imitate one law that is not listed
 _S = TypeVar("_S")
 _T = TypeVar("_T")
 
@@ -59,6 +60,12 @@ def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
 def selected_effects(problem: Problem, found: Fit) -> tuple[str, ...]:
     """Effects of a fit without the stand-ins for unknown rig quantities."""
     return tuple(name for name in found.hypothesis.names if name not in problem.unknown)
+
+
+def explained_by_few(problem: Problem, found: Fit) -> bool:
+    """Whether one effect or two leave nothing to explain: no other kind of law has then to be tried."""
+    few = len(selected_effects(problem, found)) <= _FEW
+    return few and Criterion(problem.settings).at_noise_floor(problem, found)
 
 
 def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:

@@ -17,7 +17,7 @@ from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import windows_of
-from harness.identify.selection.candidates import fit_candidates, is_seen_in_coarse, selected_effects
+from harness.identify.selection.candidates import explained_by_few, fit_candidates, is_seen_in_coarse, selected_effects
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import with_spline_term
@@ -63,11 +63,13 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
         effects = kept
         if len(selected_effects(problem, effects)) <= _EFFECTS:
             left = effects.root_process_noise
-        if ledger.criterion.at_noise_floor(coarse, effects):
+        if explained_by_few(coarse, effects):
             return None
     found = with_spline_term(coarse, bare, effects, ledger, progress)
     if found.hypothesis.spline is not None and found.root_process_noise < _MUCH * effects.root_process_noise:
-        return QuickSearch(replace(found, hypothesis=Hypothesis(found.hypothesis.names)), spline=True)
+        listed = Hypothesis(found.hypothesis.names)
+        bare = fit(coarse, listed, process_noise=effects.process_noise, initial=found.values())
+        return QuickSearch(bare, spline=True)
     little = left > _MUCH * bare.root_process_noise and not _explains(coarse, found)
     return QuickSearch(found, spline=False) if little and problem.steps >= problem.settings.given_up_from else None
 

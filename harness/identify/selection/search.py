@@ -11,6 +11,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import windows_of
 from harness.identify.selection.beam_roughness import with_beam_roughness
+from harness.identify.selection.candidates import explained_by_few
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
@@ -75,6 +76,6 @@ def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, pr
         effects = ledger.attempt("quick search", lambda: on_all_readings(problem, quick, first, progress), first)
         if not quick.spline:
             return effects
-    if criterion.at_noise_floor(problem, effects):
+    if explained_by_few(problem, effects):
         return effects
     return ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)

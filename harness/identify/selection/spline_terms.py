@@ -19,11 +19,12 @@ from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, scree
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
+from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import folds
 from harness.identify.selection.candidates import fitted_each, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
+from harness.identify.selection.period import period_of
 from harness.progress import Progress
 
 # Process noise of a held-out recording over that of all without and with the spline term: where the ball comes to
@@ -54,7 +55,7 @@ def with_spline_term(problem: Problem, base: Fit, found: Fit, ledger: Ledger, pr
     for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"without {name}")
-        nested = _kind(best) in CATALOGUE[name].relations.nested_in
+        nested = _contains(_spline(best), name)
         spline = _with_effect_absorbed(problem, best, name) if nested else best.refined.spline
         without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, initial=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
@@ -89,8 +90,9 @@ def _spline(fit: Fit) -> SplineTerm:
     return fit.terms.spline
 
 
-def _kind(fit: Fit) -> tuple[Regressor, bool]:
-    return _spline(fit).depends, _spline(fit).friction
+def _contains(spline: SplineTerm, name: str) -> bool:
+    """Whether the law of an effect is nested in a spline term of this kind; none of the catalogue's is periodic."""
+    return not spline.periodic and (spline.depends, spline.friction) in CATALOGUE[name].relations.nested_in
 
 
 def _with_finer_spline(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -170,15 +172,20 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
     """
     steps = (COARSE_STEP, 1.0)
 
-    def begin(depends: Regressor, friction: bool) -> Hypothesis:
-        """With a zero spline term; one of the rolled angle as fitted to one recording, so that each φ₀ can follow, and
-        a force of position as fine as pays on coarse data."""
-        count = problem.settings.spline_nodes
-        spline = blank(depends, friction, *visited(problem, depends), count)
+    def begin(kind: Kind) -> Hypothesis:
+        """With a zero spline term; one of the rolled angle as fitted to one recording, so that each φ₀ can follow, a
+        force of position as fine as pays on coarse data, a periodic one with the best period on these."""
+        count, (low, high) = problem.settings.spline_nodes, visited(problem, kind.depends)
+        if kind.periodic:  # half the nodes: they are of one wave
+            spline = blank(kind, low, low + period_of(problem.coarse, found, low, high), count // 2)
+            hypothesis = Hypothesis(found.hypothesis.names, spline)
+            coarse = fit(problem.coarse, hypothesis, process_noise=found.process_noise, initial=found.values())
+            return coarse.refined
+        spline = blank(kind, low, high, count)
         hypothesis = Hypothesis(found.hypothesis.names, spline)
-        if (depends, friction) == (Regressor.POSITION, False):
+        if kind == Kind(Regressor.POSITION):
             return _as_fine_as_pays(problem, found, spline)
-        if depends is not Regressor.ROLL_ANGLE:
+        if kind.depends is not Regressor.ROLL_ANGLE:
             return hypothesis
         alone = replace(problem, recordings=(max(problem.recordings, key=lambda one: np.isfinite(one.reading).sum()),))
         theta = screen(alone, hypothesis, found.process_noise, found.values(), steps=steps)[0].theta
@@ -193,7 +200,7 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
         assert hypothesis.spline is not None
         return hypothesis.spline.name
 
-    kinds = fitted_each(lambda kind: begin(*kind), KINDS, lambda kind: blank(*kind, 0.0, 1.0).name, failures)
+    kinds = fitted_each(begin, KINDS, lambda kind: blank(kind, 0.0, 1.0).name, failures)
     hypotheses = [hypothesis for _, hypothesis in kinds]
     screenings = fitted_each(screened, hypotheses, title, failures)
     gains = [found.deviance - first.expected_deviance for _, first in screenings]

@@ -41,11 +41,21 @@ def section(account: Account) -> Section | None:
         "friction": spline.friction,
         "depends": DEPENDENCES[first],
         "turning": spline.turning,
+        "period": _period(account, spline),
         "others": [DEPENDENCES[one] for one in others],
         "picture": _picture(account, spline, factor, reach),
         "table": _table(spline, factor, reach),
     }
     return Section("spline", "The law that no catalogue lists", "Spline term", "diagnosis/spline_term.html", context)
+
+
+def _period(account: Account, spline: SplineTerm) -> str:
+    """Period of a periodic spline term with its 95 % interval; empty for another."""
+    if not spline.periodic:
+        return ""
+    variance = account.diagnosis.found.covariance[-len(spline.numbers), -len(spline.numbers)]
+    half = TWO_SIDED * float(np.sqrt(max(variance, 0.0)))
+    return f"{number(1e3 * spline.period, 4)} ± {number(1e3 * half, 2)} mm"
 
 
 @style()
@@ -54,13 +64,13 @@ def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatAr
     where, left = _left(account, spline)
     figure = drawing(3.4)
     axes = figure.add_subplot()
-    first, last = spline.places[0], spline.places[-1] + (spline.step if spline.turning else 0.0)
+    first, last = spline.places[0], spline.places[-1] + (spline.step if spline.closed else 0.0)
     along = np.linspace(first, last, _PLOT_POINTS)
     y = factor * spline.at(along)
     dots(axes, scale * where, factor * left, LEFT)
     inside = (where >= first) & (where <= last)
     means(axes, scale * where[inside], factor * left[inside], layer=4)
-    width = factor * np.interp(along, spline.places, reach, period=last - first if spline.turning else None)
+    width = factor * np.interp(along, spline.places, reach, period=spline.period if spline.closed else None)
     band(axes, scale * along, y - width, y + width)
     axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
     axes.plot(scale * spline.places, factor * spline.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
@@ -68,14 +78,15 @@ def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatAr
     frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
     axes.set(
         xlim=(scale * first, scale * last),
-        xlabel=f"{name} [{unit}]",
+        xlabel=f"{name}{' within a period' * spline.periodic} [{unit}]",
         ylabel="added to the coefficient\nof dry friction [1]" if spline.friction else "force on the ball [mN]",
     )
     figure.legend(handles=[sample(LEFT), sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
     return picture(
         figure,
         f"The unlisted {'friction' if spline.friction else 'force'} as a function of {DEPENDENCES[spline.depends]}.",
-        f"Estimated spline term with {len(spline.nodes)} nodes over the range of the recordings, with 95 % "
+        f"Estimated spline term with {len(spline.nodes)} nodes over "
+        f"{'one period' if spline.periodic else 'the range of the recordings'}, with 95 % "
         "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
         "alone; black: its bin means with their standard errors."
         f"{' A negative total friction is set to zero.' if spline.friction else ''}",
@@ -107,7 +118,7 @@ def _along(
     """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
     match spline.depends:
         case Regressor.POSITION:
-            return seen.position
+            return spline.low + (seen.position - spline.low) % spline.period if spline.periodic else seen.position
         case Regressor.VELOCITY:
             return seen.velocity
         case Regressor.ANGLE:

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis, Terms
-from harness.identify.problem.spline_term import Regressor, blank
+from harness.identify.problem.spline_term import Kind, Regressor, blank
 
 READINGS = 1000
 PRICE = math.log(READINGS)
@@ -16,7 +16,7 @@ PRICE = math.log(READINGS)
 
 def made(score: float, *names: str, spline: bool = False, parameters: int | None = None) -> Fit:
     """A fit whose criterion is `score`, with one parameter an effect unless told otherwise."""
-    spline = blank(Regressor.POSITION, False, 0.0, 1.0) if spline else None
+    spline = blank(Kind(Regressor.POSITION), 0.0, 1.0) if spline else None
     count = len(names) if parameters is None else parameters
     hypothesis = Hypothesis(names, spline)
     deviance = score - PRICE * count

@@ -17,38 +17,39 @@ from harness.identify.estimate.starts import starting_points
 from harness.identify.filter import run as filter_run
 from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
+from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from tests.posed import Posed
 
 NODES = DEFAULT.spline_nodes
 BENT = SplineTerm(Regressor.POSITION, False, 0.1, 0.04, np.sin(np.arange(NODES)))
-ROUND = replace(blank(Regressor.ROLL_ANGLE, False, 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
+ROUND = replace(blank(Kind(Regressor.ROLL_ANGLE), 0.0, 2.0 * np.pi), nodes=np.sin(np.arange(NODES)))
+WAVY = replace(blank(Kind(Regressor.POSITION, periodic=True), 0.1, 0.18), nodes=np.sin(np.arange(NODES)))
 
 
 def by_scipy(spline: SplineTerm, where: FloatArray) -> FloatArray:
     """The spline term by scipy: slopes are central differences, at the ends those of the last two nodes."""
     places, nodes = spline.places, spline.nodes
-    if spline.turning:  # three turns of it, of which the middle one is far from either end
+    if spline.closed:  # three turns of it, of which the middle one is far from either end
         places = spline.low + spline.step * np.arange(-len(nodes), 2 * len(nodes))
-        nodes, where = np.tile(nodes, 3), (where - spline.low) % (2.0 * np.pi) + spline.low
+        nodes, where = np.tile(nodes, 3), (where - spline.low) % spline.period + spline.low
     inside = np.clip(where, places[0], places[-1])
     return np.asarray(CubicHermiteSpline(places, nodes, np.gradient(nodes, spline.step))(inside))
 
 
-@pytest.mark.parametrize("spline", [BENT, BENT.finer(), ROUND, ROUND.finer()], ids=["bent", "finer", "round", "finer"])
+@pytest.mark.parametrize("spline", [BENT, BENT.finer(), ROUND, ROUND.finer(), WAVY, WAVY.finer()])
 def test_a_spline_term_is_the_spline_through_its_nodes(spline: SplineTerm) -> None:
-    """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a turn."""
+    """Meet the nodes, run cubically between them, and keep the last value outside, or begin again after a period."""
     np.testing.assert_allclose(spline.at(spline.places), spline.nodes, rtol=1e-12)
     where = np.linspace(-3.0, 13.0, 1001)
-    # The place among the nodes is rounded by 1e-16 · 13/0.02 = 7e-14, times slopes of order 1 a node.
+    # The place among the nodes is rounded by 1e-16 · 13/0.0033 = 4e-13, times slopes of order 1 a node.
     np.testing.assert_allclose(spline.at(where), by_scipy(spline, where), atol=1e-12)
 
 
-@pytest.mark.parametrize("spline", [BENT, ROUND], ids=["bent", "round"])
+@pytest.mark.parametrize("spline", [BENT, ROUND, WAVY])
 def test_a_finer_spline_term_is_nearly_the_same_with_twice_the_nodes(spline: SplineTerm) -> None:
     """Keep every node, add one between two, and move no further than a spline's slopes change."""
     finer = spline.finer()
-    assert len(finer.nodes) == 2 * NODES - (0 if spline.turning else 1) <= MOST_NODES
+    assert len(finer.nodes) == 2 * NODES - (0 if spline.closed else 1) <= MOST_NODES
     np.testing.assert_allclose(finer.nodes[::2], spline.nodes, rtol=1e-12)
     where = np.linspace(0.1, 0.54, 101)
     # Nodes are sin n: slopes by differences are cos n sin(1), by half as wide ones cos n · 2 sin(1/2) (both before what
@@ -56,24 +57,24 @@ def test_a_finer_spline_term_is_nearly_the_same_with_twice_the_nodes(spline: Spl
     np.testing.assert_allclose(finer.at(where), spline.at(where), atol=2.0 * 0.12 * 4.0 / 27.0)
 
 
-@pytest.mark.parametrize(("depends", "friction"), [kind for kind in KINDS if kind[0] is not Regressor.TIME])
-def test_the_kernel_feels_the_spline_term(depends: Regressor, friction: bool) -> None:
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind.depends is not Regressor.TIME])
+def test_the_kernel_feels_the_spline_term(kind: Kind) -> None:
     """Push or hold the ball by the spline term at its position, velocity, rolled angle or at the beam's angle."""
     p = coefficients(CAM, Rig())
     p[ORIGIN] = 0.2
     without, resisted = acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p), dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
-    spline = replace(blank(depends, friction, -1.0, 1.0), nodes=np.linspace(0.01, 0.03, NODES))
+    spline = replace(blank(kind, -1.0, 1.0), nodes=np.linspace(0.01, 0.03, NODES))
     if spline.turning:
-        spline = replace(ROUND, friction=friction, nodes=spline.nodes)
+        spline = replace(ROUND, friction=kind.friction, nodes=spline.nodes)
     spline.write(p, phase=1.0)
     felt = {
         Regressor.POSITION: 0.3,
         Regressor.VELOCITY: 0.1,
         Regressor.ANGLE: 0.02,
         Regressor.ROLL_ANGLE: (0.3 - 0.2) / Rig().rolling_radius + 1.0,
-    }[depends]
+    }[kind.depends]
     (expected,) = spline.at(np.array([felt])) * p[RESPONSE]
-    if friction:
+    if kind.friction:
         assert resisted == 0.0
         held = dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
         assert held == pytest.approx(expected * p[WEIGHT] * np.cos(0.02), rel=1e-12)
@@ -82,7 +83,7 @@ def test_the_kernel_feels_the_spline_term(depends: Regressor, friction: bool) ->
         assert acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p) - without == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("spline", [BENT, ROUND.finer()])
+@pytest.mark.parametrize("spline", [BENT, ROUND.finer(), WAVY])
 def test_a_record_holds_all_but_the_values(spline: SplineTerm) -> None:
     """Come back from JSON as the same spline term that is nothing yet."""
     again = SplineTerm.of(spline.record())
@@ -108,33 +109,37 @@ def test_a_force_of_time_is_a_tilt(plain: Posed) -> None:
 
 
 @pytest.mark.parametrize(
-    ("depends", "count", "refined"),
-    [(Regressor.POSITION, 45, 89), (Regressor.POSITION, 49, None), (Regressor.ROLL_ANGLE, 48, 96)],
+    ("kind", "count", "refined"),
+    [
+        (Kind(Regressor.POSITION), 45, 89),
+        (Kind(Regressor.POSITION), 49, None),
+        (Kind(Regressor.ROLL_ANGLE), 48, 96),
+        (WAVY.kind, 48, 96),
+    ],
 )
-def test_a_spline_term_is_refined_while_the_kernel_has_room(
-    depends: Regressor, count: int, refined: int | None
-) -> None:
+def test_a_spline_term_is_refined_while_the_kernel_has_room(kind: Kind, count: int, refined: int | None) -> None:
     """Halve the distance of the nodes, one fewer between them unless they lie on a circle, up to 96 nodes."""
-    spline = blank(depends, False, 0.0, 1.0, count)
+    spline = blank(kind, 0.0, 1.0, count)
     assert spline.refinable is (refined is not None)
     if refined is not None:
         assert len(spline.finer().nodes) == refined
 
 
-@pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_blank_spline_term_changes_nothing(plain: Posed, depends: Regressor, friction: bool) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_blank_spline_term_changes_nothing(plain: Posed, kind: Kind) -> None:
     """Predict with a spline term of zeros exactly what is predicted without one."""
-    spline = blank(depends, friction, 0.0, 1.0)
+    spline = blank(kind, 0.0, 1.0)
     without, with_spline_term = (
         filter_run.deviance(plain.problem, Terms((), (), np.zeros(0), one), 1e-8) for one in (None, spline)
     )
     assert with_spline_term == pytest.approx(without, rel=1e-9)
 
 
+@pytest.mark.parametrize("spline", [BENT, WAVY])
 @pytest.mark.parametrize("names", [(), ("track_curvature", "rolling_radius"), ("level_error", "ball_imbalance")])
-def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...]) -> None:
-    """Read starts as effects with values, within bounds, a phase a recording and a node a number; and back."""
-    hypothesis = Hypothesis(names, BENT)
+def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...], spline: SplineTerm) -> None:
+    """Read starts as effects with values, within bounds, a phase a recording, numbers of a spline term; and back."""
+    hypothesis = Hypothesis(names, spline)
     known = dict.fromkeys(hypothesis.parameters, 0.01)
     (start,) = starting_points(plain.problem, hypothesis, known, 1e-5)
     low, high = hypothesis.bounds(plain.problem)
@@ -144,4 +149,5 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...])
     assert [value for one in read.effects for value in one.values.values()] == pytest.approx(list(known.values()))
     assert len(read.phases) == len(plain.problem.recordings)
     assert read.spline is not None
-    np.testing.assert_allclose(read.spline.nodes, BENT.nodes, rtol=1e-12)
+    np.testing.assert_allclose(read.spline.nodes, spline.nodes, rtol=1e-12)
+    np.testing.assert_allclose(read.spline.places, spline.places, rtol=1e-12)

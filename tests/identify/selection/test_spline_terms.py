@@ -13,7 +13,7 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import Regressor, blank
+from harness.identify.problem.spline_term import Kind, Regressor, blank
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import held_out_deviances, visited, with_spline_term
@@ -39,7 +39,7 @@ def blown(folder: Path, *, both: bool) -> Problem:
 def with_and_without(problem: Problem) -> tuple[Fit, Fit]:
     """Fits without a spline term and with one of time."""
     found = fit(problem, Hypothesis(()))
-    term = blank(Regressor.TIME, False, *visited(problem, Regressor.TIME))
+    term = blank(Kind(Regressor.TIME), *visited(problem, Regressor.TIME))
     return found, fit(problem, Hypothesis((), term), process_noise=found.process_noise)
 
 
@@ -76,7 +76,7 @@ def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) ->
     low, high = visited(problem, Regressor.POSITION)
     assert high < 0.55
     start = fit(problem, Hypothesis(()))
-    found = fit(problem, Hypothesis((), blank(Regressor.POSITION, False, low, 0.7)), process_noise=start.process_noise)
+    found = fit(problem, Hypothesis((), blank(Kind(Regressor.POSITION), low, 0.7)), process_noise=start.process_noise)
     assert found.terms.spline is not None
     beyond = found.terms.spline.nodes[found.terms.spline.places > high + found.terms.spline.step]
     assert len(beyond) > 1
@@ -105,6 +105,10 @@ def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_spline_term(
     assert not said.effects
     assert spline is not None
     assert (spline.depends, spline.friction) == (depends, friction)
+    if name == "ripple_force":
+        # Four waves or more over the places visited, each shifted by less than a hundredth of itself.
+        assert spline.periodic
+        assert spline.period == pytest.approx(values["wavelength"], rel=2.5e-3)
     assert said.found.root_process_noise < 0.1 * said.base.root_process_noise
 
 

@@ -13,7 +13,7 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.problem.spline_term import KINDS, Regressor, SplineTerm, blank
+from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.validation.engine_errors import engine_errors, entries
 from harness.identify.validation.held_out import HeldOut, errors
 from tests.posed import Posed
@@ -43,8 +43,8 @@ def supposed(base: Fit, effects: Sequence[Acting] = (), spline: SplineTerm | Non
     return replace(base, hypothesis=Hypothesis(tuple(one.effect.name for one in effects), spline), terms=at)
 
 
-def spline_term(problem: Problem, depends: Regressor, friction: bool) -> SplineTerm:
-    """A law that varies by its own size over what the recording visits."""
+def spline_term(problem: Problem, kind: Kind) -> SplineTerm:
+    """A law that varies by its own size over what the recording visits, a periodic one five times as fast."""
     known = problem.recordings[0].reading[np.isfinite(problem.recordings[0].reading)]
     low, high = {
         Regressor.POSITION: (known.min(), known.max()),
@@ -52,9 +52,10 @@ def spline_term(problem: Problem, depends: Regressor, friction: bool) -> SplineT
         Regressor.ANGLE: (-0.05, 0.05),
         Regressor.ROLL_ANGLE: (0.0, 2.0 * np.pi),
         Regressor.TIME: (0.0, SECONDS),
-    }[depends]
-    nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if friction else 0.02)
-    return replace(blank(depends, friction, float(low), float(high)), nodes=nodes)
+    }[kind.depends]
+    high = low + (high - low) / (5.0 if kind.periodic else 1.0)
+    nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if kind.friction else 0.02)
+    return replace(blank(kind, float(low), float(high)), nodes=nodes)
 
 
 def agree(problem: Problem, base: Fit, found: Fit) -> None:
@@ -98,13 +99,11 @@ def test_an_effect_does_the_same_in_the_engines(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("depends", "friction"), KINDS)
-def test_a_spline_term_is_the_same_in_the_engines(
-    short: Problem, base: Fit, depends: Regressor, friction: bool
-) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_spline_term_is_the_same_in_the_engines(short: Problem, base: Fit, kind: Kind) -> None:
     """Predict with both engines as wrongly as CAM does with an unlisted law, a force or a friction."""
-    found = supposed(base, spline=spline_term(short, depends, friction), phase=0.7)
-    assert entries(found) == {"spline term": "friction on the ball" if friction else "force on the ball"}
+    found = supposed(base, spline=spline_term(short, kind), phase=0.7)
+    assert entries(found) == {"spline term": "friction on the ball" if kind.friction else "force on the ball"}
     agree(short, base, found)
 
 
