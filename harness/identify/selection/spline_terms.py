@@ -73,7 +73,12 @@ def _reproducible(
         tried: fits without a spline term, and with one of each kind, best first.
     """
     criterion, chosen = ledger.criterion, None
-    for against, splines in sorted((each for each in tried if each[1]), key=lambda each: criterion.value(each[1][0])):
+
+    def rank(each: tuple[Fit, Sequence[Fit]]) -> float:
+        """The lowest criterion; effects beside a spline term have to pay as much as it has, since they may be of it."""
+        return criterion.value(each[1][0]) + (problem.settings.spline_keep if each[0] is found else 0.0)
+
+    for against, splines in sorted((each for each in tried if each[1]), key=rank):
         best = splines[0] if chosen is None else chosen[1]
         surpasses = criterion.gain(best, found) > problem.settings.spline_keep
         pays = chosen is None and surpasses and criterion.needs_evidence(Rule.SPLINE, best, against)
