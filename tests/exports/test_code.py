@@ -29,7 +29,7 @@ SPLINES = [
         0.05,
         0.11,
         (0.003 if kind.friction else 0.05) * np.sin(np.arange(1.0, 7.0)) ** 2,
-        kind.periodic,
+        int(kind.periodic),
     )
     for kind in KINDS
 ]

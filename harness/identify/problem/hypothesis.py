@@ -143,7 +143,7 @@ class Hypothesis:
     def _spline_sizes(self) -> list[float]:
         if self.spline is None:
             return []
-        nodes = [0.003 if self.spline.friction else 0.03] * len(self.spline.nodes)
+        nodes = [0.003 if self.spline.friction else 0.03] * self.spline.basis.shape[1]
         return [_PERIOD, *nodes] if self.spline.periodic else nodes
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
@@ -172,8 +172,8 @@ class Hypothesis:
         count = len(self.spline.nodes)
         steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
         steps = steps if self.spline.closed else steps[:-1]
-        penalty = steps / _NODE_DIFFERENCE[self.spline.friction]
-        return np.vstack((own, np.hstack((np.zeros((len(steps), self.size(problem) - count)), penalty))))
+        penalty = steps @ self.spline.basis / _NODE_DIFFERENCE[self.spline.friction]
+        return np.vstack((own, np.hstack((np.zeros((len(steps), self.size(problem) - penalty.shape[1])), penalty))))
 
     def terms(self, theta: FloatArray, problem: Problem) -> Terms:
         """Effects, phases and spline term with the values of the scaled parameters, shape (k,)."""

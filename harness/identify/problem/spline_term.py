@@ -3,7 +3,7 @@
 A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
 friction. The nodes are equidistant over the range of the recordings. The rolled angle counts
 from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter. A force of position may repeat
-itself along the beam, with a period that is a parameter too: few nodes then tell what else takes dozens.
+itself along the beam, with a period that is a parameter too: few harmonics then tell what else takes dozens of nodes.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ class Kind(NamedTuple):
     periodic: bool = False
 
 
+_PER_WAVE = 3  # nodes that the shortest wave of a periodic one needs
 _KERNEL = {
     Kind(Regressor.POSITION): OF_POSITION,
     Kind(Regressor.VELOCITY): OF_VELOCITY,
@@ -74,7 +75,7 @@ class SplineTerm:
         friction: whether it is a coefficient of dry friction [1] rather than a force per mass [m/s²].
         low, step: first node and distance of nodes, in the unit of the regressor.
         nodes: values, shape (n,), n at most MOST_NODES; those of a closed one are of one turn or period.
-        periodic: whether a force of position repeats itself along the beam, after n steps.
+        harmonics: of which the nodes of a periodic force of position are sums; 0 for any other.
     """
 
     depends: Regressor
@@ -82,7 +83,12 @@ class SplineTerm:
     low: float
     step: float
     nodes: FloatArray
-    periodic: bool = False
+    harmonics: int = 0
+
+    @property
+    def periodic(self) -> bool:
+        """Whether a force of position repeats itself along the beam, after n steps."""
+        return self.harmonics > 0
 
     @property
     def kind(self) -> Kind:
@@ -99,16 +105,32 @@ class SplineTerm:
         """Length after which a closed one repeats itself, in the unit of the regressor."""
         return self.step * len(self.nodes)
 
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Nodes by what is fitted of them, shape (n, c): themselves, or mean, cosines and sines of each harmonic."""
+        count = len(self.nodes)
+        if not self.periodic:
+            return np.eye(count)
+        turns = np.outer(np.arange(count), np.arange(1, self.harmonics + 1)) * (2.0 * np.pi / count)
+        return np.hstack((np.ones((count, 1)), np.cos(turns), np.sin(turns)))
+
     @property
     def numbers(self) -> FloatArray:
-        """What is fitted: the nodes, after the period [m] of a periodic one; shape (n,) or (n + 1,)."""
-        return np.concatenate(([self.period], self.nodes)) if self.periodic else self.nodes
+        """What is fitted, shape (c,): the nodes; of a periodic one period [m], mean, cosines, sines, shape (c + 1,)."""
+        if not self.periodic:
+            return self.nodes
+        return np.concatenate(([self.period], np.linalg.lstsq(self.basis, self.nodes, rcond=None)[0]))
 
     def with_numbers(self, numbers: FloatArray) -> Self:
         """The same kind of spline with these `numbers`."""
         if not self.periodic:
             return replace(self, nodes=numbers)
-        return replace(self, step=float(numbers[0]) / len(self.nodes), nodes=numbers[1:])
+        return replace(self, step=float(numbers[0]) / len(self.nodes), nodes=self.basis @ numbers[1:])
+
+    def deviations(self, covariance: FloatArray) -> FloatArray:
+        """Standard errors of the nodes, shape (n,), from the covariance of a fit's parameters, its own last, (k, k)."""
+        own = covariance[-self.basis.shape[1] :, -self.basis.shape[1] :]
+        return np.sqrt(np.einsum("ij,jk,ik->i", self.basis, own, self.basis).clip(min=0.0))
 
     @property
     def places(self) -> FloatArray:
@@ -183,11 +205,16 @@ class SplineTerm:
 
     @property
     def refinable(self) -> bool:
-        """Whether the kernel's vector has room for the nodes of `finer`."""
+        """Whether the kernel's vector has room for the nodes of `finer`, or those of a period for its harmonics."""
+        if self.periodic:
+            return 2 * self.harmonics <= len(self.nodes) // _PER_WAVE
         return self._finer_count <= MOST_NODES
 
     def finer(self) -> Self:
-        """The same spline with nodes at half the distance: 2 n − 1 of them, 2 n if it is closed."""
+        """The same spline with nodes at half the distance: 2 n − 1 of them, 2 n if it is closed; a periodic one with
+        twice the harmonics."""
+        if self.periodic:
+            return replace(self, harmonics=2 * self.harmonics)
         count = self._finer_count
         twice = self.low + 0.5 * self.step * np.arange(count, dtype=np.float64)
         return replace(self, step=0.5 * self.step, nodes=self.at(twice))
@@ -200,7 +227,7 @@ class SplineTerm:
             low=self.low,
             step=self.step,
             nodes=len(self.nodes),
-            periodic=self.periodic,
+            harmonics=self.harmonics,
         )
 
     @classmethod
@@ -213,11 +240,13 @@ class SplineTerm:
         if not 2 <= record.nodes <= MOST_NODES:
             raise ValueError(f"a spline term of {record.nodes} nodes")
         nodes = np.zeros(record.nodes)
-        return cls(Regressor(record.depends), record.friction, record.low, record.step, nodes, record.periodic)
+        return cls(Regressor(record.depends), record.friction, record.low, record.step, nodes, record.harmonics)
 
 
 def blank(kind: Kind, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
-    """The zero spline term with `count` nodes over the range from `low` to `high`, for a periodic one its period."""
+    """The zero spline term with `count` nodes over the range from `low` to `high`; a periodic one with one harmonic, of
+    which that is the period, and twice the nodes, through which it then is a sine but for 3 parts in 10 000."""
+    count = 2 * count if kind.periodic else count
     closed = kind.periodic or kind.depends is Regressor.ROLL_ANGLE
     step = max(high - low, 1e-9) / (count if closed else count - 1)
-    return SplineTerm(kind.depends, kind.friction, low, step, np.zeros(count), kind.periodic)
+    return SplineTerm(kind.depends, kind.friction, low, step, np.zeros(count), int(kind.periodic))

@@ -26,11 +26,11 @@ class SplineTermRecord(Part):
     low: Finite
     step: Positive
     nodes: int = Field(ge=2, le=MOST_NODES)
-    periodic: bool = False
+    harmonics: int = Field(0, ge=0, le=MOST_NODES // 3)
 
     @model_validator(mode="after")
     def _possible(self) -> SplineTermRecord:
-        if self.periodic and (self.friction or self.depends != "position"):
+        if self.harmonics and (self.friction or self.depends != "position"):
             raise ValueError("only a force of position is periodic")
         if self.friction and self.depends in ("velocity", "angle"):
             raise ValueError(f"there is no friction term of the {self.depends}")

@@ -68,9 +68,8 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
     found = with_spline_term(coarse, bare, effects, ledger, progress)
     if found.hypothesis.spline is not None and found.root_process_noise < _MUCH * effects.root_process_noise:
         listed = Hypothesis(found.hypothesis.names)
-        bare = fit(coarse, listed, process_noise=effects.process_noise, initial=found.values())
-        return QuickSearch(bare, spline=True)
-    little = left > _MUCH * bare.root_process_noise and not _explains(coarse, found)
+        return QuickSearch(_fitted_from(coarse, found, listed), spline=True)
+    little = left > _MUCH * bare.root_process_noise and _predicts_poorly(coarse, found)
     return QuickSearch(found, spline=False) if little and problem.steps >= problem.settings.given_up_from else None
 
 
@@ -82,11 +81,19 @@ def on_all_readings(problem: Problem, quick: QuickSearch, first: Fit, progress: 
 
 def _refitted(problem: Problem, one: Fit) -> Fit:
     """The same hypothesis, fitted to other readings from its values."""
-    return fit(problem, one.refined, process_noise=one.process_noise, initial=one.values())
+    return _fitted_from(problem, one, one.refined)
+
+
+def _fitted_from(problem: Problem, one: Fit, hypothesis: Hypothesis) -> Fit:
+    return fit(problem, hypothesis, process_noise=one.process_noise, initial=one.values())
 
 
 def _explains(problem: Problem, found: Fit) -> bool:
     """Whether the process noise is not far above the floor, or predictions are good."""
-    criterion = Criterion(problem.settings)
+    far = Criterion(problem.settings).far_above_noise_floor(problem, found)
+    return not (far and _predicts_poorly(problem, found))
+
+
+def _predicts_poorly(problem: Problem, found: Fit) -> bool:
     errors = window_errors(problem, found, windows_of(problem.recordings))
-    return not (criterion.far_above_noise_floor(problem, found) and criterion.predicts_poorly(problem, errors))
+    return Criterion(problem.settings).predicts_poorly(problem, errors)

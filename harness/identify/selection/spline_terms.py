@@ -181,8 +181,8 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
         """With a zero spline term; one of the rolled angle as fitted to one recording, so that each φ₀ can follow, a
         force of position as fine as pays on coarse data, a periodic one with the best period on these."""
         count, (low, high) = problem.settings.spline_nodes, visited(problem, kind.depends)
-        if kind.periodic:  # half the nodes: they are of one wave
-            spline = blank(kind, low, low + period_of(problem.coarse, found, low, high), count // 2)
+        if kind.periodic:
+            spline = blank(kind, low, low + period_of(problem.coarse, found, low, high), count)
             hypothesis = Hypothesis(found.hypothesis.names, spline)
             coarse = fit(problem.coarse, hypothesis, process_noise=found.process_noise, initial=found.values())
             return coarse.refined

@@ -34,7 +34,7 @@ def section(account: Account) -> Section | None:
     spline = account.diagnosis.found.terms.spline
     if spline is None:
         return None
-    reach = TWO_SIDED * np.sqrt(np.diag(account.diagnosis.found.covariance)[-len(spline.nodes) :])
+    reach = TWO_SIDED * spline.deviations(account.diagnosis.found.covariance)
     factor = 1.0 if spline.friction else 1e3 * account.diagnosis.problem.rig.mass
     first, *others = account.diagnosis.depends_on
     context = {

@@ -92,8 +92,10 @@ def test_nodes_that_no_reading_visits_follow_their_neighbours(tmp_path: Path) ->
         ("sticky_spot", {"coefficient": 0.015, "width": 0.3}, Regressor.ROLL_ANGLE, True),
         ("magnet", {"force": -0.01, "centre": 0.35, "distance": 0.05}, Regressor.POSITION, False),
         ("ripple_force", {"force": 0.01, "wavelength": 0.04}, Regressor.POSITION, False),
+        # near the ball's turn of 74 mm, so that an imbalance, a rolling radius and a gain imitate it
+        ("ripple_force", {"force": 0.0114, "wavelength": 0.0818}, Regressor.POSITION, False),
     ],
-    ids=["out of round", "sticky spot", "magnet", "ripple"],
+    ids=["out of round", "sticky spot", "magnet", "ripple", "ripple of a turn"],
 )
 def test_what_the_catalogue_made_of_a_cause_gives_way_to_its_spline_term(
     tmp_path: Path, name: str, values: dict[str, float], depends: Regressor, friction: bool
