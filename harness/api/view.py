@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from harness.comparison.setting import Setting
     from harness.recording import Case as CheckedCase
     from harness.viewing.playback import Playback
+    from harness.viewing.windows import Window
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class View(Summarised):
         width: of the video [px].
         height: of the video [px].
         playback: positions, angles and turns as functions of time.
+        crashed: why the window ended if it was not closed; empty otherwise.
     """
 
     case: Case
@@ -79,16 +81,29 @@ class View(Summarised):
     width: int
     height: int
     playback: Playback = field(compare=False)
+    crashed: str = ""
 
     def content(self) -> dict[str, Any]:
         """As JSON."""
-        plain = ("recording", "engine", "begin", "end", "runs", "stamps", "frames", "frames_per_s", "width", "height")
+        plain = (
+            "recording",
+            "engine",
+            "begin",
+            "end",
+            "runs",
+            "stamps",
+            "frames",
+            "frames_per_s",
+            "width",
+            "height",
+            "crashed",
+        )
         files = {name: None if file is None else str(file) for name, file in (("video", self.video), ("log", self.log))}
-        return {"origin": self.case.origin, **files, **{name: getattr(self, name) for name in plain}}
+        return {"origin": self.case.origin, **files, **{name: getattr(self, name) for name in (*plain, "crashed")}}
 
     def summary(self) -> Summary:
         """What was shown, and the errors of each run."""
-        return _summary(self.case, self.recording, self.playback, self.runs)
+        return _summary(self.case, self.recording, self.playback, self.runs, self.crashed)
 
 
 def view(
@@ -167,8 +182,9 @@ def view(
                 told = {"command": "view", "recording": {setting.recording.name: setting.recording.sha256}}
                 kept = sealed_json({**told, "files": hashes_of(scratch)})
                 (scratch / _record(target)).write_text(kept, encoding="utf-8")
+    crashed = ""
     if target is None:
-        _open(window_of(engine), playback, speed)
+        crashed = _open(window_of(engine), playback, speed)
     return View(
         case,
         setting.recording.name,
@@ -184,6 +200,7 @@ def view(
         width=WIDTH if rate else 0,
         height=HEIGHT if rate else 0,
         playback=playback,
+        crashed=crashed,
     )
 
 
@@ -266,15 +283,19 @@ def _viewed(playback: Playback) -> tuple[ViewedRun, ...]:
     )
 
 
-def _open(window: Any, playback: Playback, speed: float) -> None:
+def _open(window: Window, playback: Playback, speed: float) -> str:
+    """Show a playback until its window is closed; why that crashed, if it did."""
     from harness.viewing.player import Player
 
-    window(playback, Player(playback.begin, playback.end, len(playback.runs), speed))
+    return window(playback, Player(playback.begin, playback.end, len(playback.runs), speed))
 
 
-def _summary(case: CheckedCase, recording: str, playback: Playback, runs: Sequence[ViewedRun]) -> Summary:
+def _summary(
+    case: CheckedCase, recording: str, playback: Playback, runs: Sequence[ViewedRun], crashed: str = ""
+) -> Summary:
     """What was shown, and the errors of each run."""
-    lines = [f"{playback.engine}, simulated, beside the {playback.recorded_name} ball of {recording}"]
+    lines = [crashed] if crashed else []
+    lines += [f"{playback.engine}, simulated, beside the {playback.recorded_name} ball of {recording}"]
     lines += [
         f"{one.name}: the ball lifts off the beam at {one.lifted_off_s:.2f} s, and the run ends there"
         for one in runs

@@ -6,6 +6,7 @@ import math
 import queue
 import sys
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import glfw
@@ -33,8 +34,17 @@ _TEXT_INTERVAL = 0.1  # between two changes of the text [s]
 _PATIENCE = 5.0  # for the window to close [s]
 
 
-def show(playback: Playback, player: Player) -> None:
+def show(playback: Playback, player: Player) -> str:
+    """`play` in this process; it ends only where the window is closed."""
+    play(playback, player)
+    return ""
+
+
+def play(playback: Playback, player: Player, opened: Callable[[], None] = lambda: None) -> None:
     """Show a playback until the window is closed.
+
+    Args:
+        opened: is called once the window is there.
 
     Raises:
         InputError: MuJoCo's viewer does not open here.
@@ -51,8 +61,8 @@ def show(playback: Playback, player: Player) -> None:
             show_right_ui=False,
         )
     except RuntimeError as error:
-        how = "run `mjpython -m harness view …`" if sys.platform == "darwin" else "give --video out.mp4"
-        raise InputError(f"MuJoCo's viewer does not open ({error}); {how}") from error
+        raise InputError(f"{error}; run `mjpython -m harness view …`" if sys.platform == "darwin" else error) from error
+    opened()
     try:
         with viewer:
             _play(viewer, drawing, player, pressed)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from harness.engines.pybullet import pybullet
+from harness.errors import InputError
 from harness.viewing.drawing import ENGINE_COLOUR, GHOST_COLOUR, GHOST_OPACITY, GHOST_SIZE
 from harness.viewing.playback import Playback, Vector, centre_of, turned_by
 from harness.viewing.player import Player, keys_told
@@ -28,14 +30,21 @@ _ABOVE, _BELOW, _LINE = 0.17, -0.045, 0.02  # height of texts above the beam's n
 _TEXT_INTERVAL = 0.1  # between two changes of the text, which PyBullet draws anew each time [s]
 
 
-def play(playback: Playback, player: Player) -> bool:
-    """Show a playback until the window is closed with Esc; whether it opened.
+def play(playback: Playback, player: Player, opened: Callable[[], None] = lambda: None) -> None:
+    """Show a playback until the window is closed with Esc.
 
-    Where a window manager closes the window, Xlib ends the process (`harness.viewing.pybullet_process`).
+    Where a window manager closes the window, Xlib ends the process (`harness.viewing.window_process`).
+
+    Args:
+        opened: is called once the window is there.
+
+    Raises:
+        InputError: PyBullet's window does not open here.
     """
     client = pybullet.connect(pybullet.GUI)
     if client < 0:
-        return False
+        raise InputError("PyBullet found no display with OpenGL")
+    opened()
     try:
         _play(_Window(playback, client), player)
     except pybullet.error:  # the window was closed within a frame
@@ -44,7 +53,6 @@ def play(playback: Playback, player: Player) -> bool:
     finally:
         if pybullet.isConnected(client):
             pybullet.disconnect(client)
-    return True
 
 
 def _play(window: _Window, player: Player) -> None:

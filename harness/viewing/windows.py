@@ -15,7 +15,8 @@ from harness.viewing.playback import Instant, Playback
 from harness.viewing.player import Player
 
 FRAME = 1.0 / 60.0  # [s]
-Window = Callable[[Playback, Player], None]
+Window = Callable[[Playback, Player], str]
+"""Shows a playback until it is closed; why it ended otherwise, if it did."""
 
 
 def check_display() -> None:
@@ -44,11 +45,14 @@ def check_display() -> None:
 
 
 def window_of(engine: str) -> Window:
-    """The window for an engine's runs: PyBullet's for its own, MuJoCo's for all others."""
-    if engine == "pybullet":
-        from harness.viewing.pybullet_process import show
-    else:
+    """The window for an engine's runs, in a process of its own.
+
+    On macOS MuJoCo's is in this one, which has to be `mjpython`.
+    """
+    if sys.platform == "darwin" and engine != "pybullet":
         from harness.viewing.mujoco_window import show
+    else:
+        from harness.viewing.window_process import show
     return show
 
 

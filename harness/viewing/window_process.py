@@ -1,13 +1,19 @@
-"""PyBullet's window in a process of its own: where a window manager closes it, Xlib ends the process that it is in."""
+"""An engine's window in a process of its own, whose end is not the command's.
+
+Where a window manager closes PyBullet's window, Xlib ends the process that it is in; and MuJoCo 4.0 may crash where its
+window is closed while a run is played.
+"""
 
 from __future__ import annotations
 
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import traceback
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -20,15 +26,22 @@ from harness.viewing.player import Player
 from harness.viewing.runs import ShownRun
 
 _CLOSED, _CLOSED_BY_WINDOW_MANAGER, _NOT_OPENED, _RAISED = 0, 1, 4, 5  # exit codes; the second one is Xlib's own
+_OPENED = "window opened"  # a line on standard error
+_PYBULLETS, _MUJOCOS = "harness.viewing.pybullet_window", "harness.viewing.mujoco_window"  # modules
+_NAMES = {_PYBULLETS: "PyBullet's window", _MUJOCOS: "MuJoCo's viewer"}
 _STEP = 0.005  # between angles of the beam that is drawn [s]
 
 
-def show(playback: Playback, player: Player) -> None:
+def show(playback: Playback, player: Player) -> str:
     """Show a playback until the window is closed.
 
+    Returns:
+        Why the window ended if its process crashed once it was open; else nothing.
+
     Raises:
-        InputError: PyBullet's window does not open here, or its process crashed.
+        InputError: the window does not open here, or cannot show this.
     """
+    name = _NAMES[_module_of(playback)]
     path = [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
     done = subprocess.run(
         [sys.executable, "-m", __name__],
@@ -39,11 +52,25 @@ def show(playback: Playback, player: Player) -> None:
         check=False,
     )
     if done.returncode in (_CLOSED, _CLOSED_BY_WINDOW_MANAGER):
-        return
+        return ""
+    lines = done.stderr.decode(errors="replace").strip().splitlines()
     if done.returncode == _NOT_OPENED:
-        raise InputError("PyBullet's window does not open here: give --video out.mp4")
-    said = (done.stderr.decode(errors="replace").strip().splitlines() or [f"it ended with {done.returncode}"])[-1]
-    raise InputError(f"PyBullet's window failed ({said}): give --video out.mp4")
+        raise InputError(f"{name} does not open here{_because(lines)}: give --video out.mp4")
+    if done.returncode < 0 and _OPENED in lines:
+        why = signal.strsignal(-done.returncode) or f"signal {-done.returncode}"
+        return f"{name} crashed ({why}), as it may where it is closed while a run is played"
+    raise InputError(f"{name} failed{_because(lines) or f' (exit code {done.returncode})'}: give --video out.mp4")
+
+
+def _module_of(playback: Playback) -> str:
+    """PyBullet's window is for its own runs, MuJoCo's for all others."""
+    return _PYBULLETS if playback.engine == "pybullet" else _MUJOCOS
+
+
+def _because(lines: list[str]) -> str:
+    """What a process said last, in brackets; nothing if it said nothing."""
+    said = [line for line in lines if line != _OPENED]
+    return f" ({said[-1]})" if said else ""
 
 
 def _plain(playback: Playback) -> Playback:
@@ -59,16 +86,19 @@ def _plain(playback: Playback) -> Playback:
 
 def _main() -> int:
     """Show what is given on standard input; an exit code."""
-    from harness.viewing.pybullet_window import play
-
     playback, player = pickle.load(sys.stdin.buffer)
+    play = import_module(_module_of(playback)).play
     try:
-        return _CLOSED if play(playback, player) else _NOT_OPENED
+        play(playback, player, opened=lambda: print(_OPENED, file=sys.stderr, flush=True))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return _NOT_OPENED
     except KeyboardInterrupt:  # the command, too, gets it and ends
         return _CLOSED
     except Exception:
         traceback.print_exc()
         return _RAISED
+    return _CLOSED
 
 
 if __name__ == "__main__":
