@@ -11,7 +11,14 @@ from analytic.effects.catalogue import (
     sensor_with,
     transmission_with,
 )
-from analytic.effects.drive import ANGLE_GAIN, ANGLE_HOLD, ANGLE_LAG, ANGLE_NONLINEARITY, LINKAGE_BACKLASH
+from analytic.effects.drive import (
+    ANGLE_GAIN,
+    ANGLE_HOLD,
+    ANGLE_LAG,
+    ANGLE_NONLINEARITY,
+    LINKAGE_BACKLASH,
+    beam_in_play,
+)
 from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission
 from analytic.effects.force import EffectError, Force
 from analytic.effects.parameter import Parameter
@@ -71,6 +78,7 @@ __all__ = [
     "SensorLaw",
     "Transmission",
     "acting",
+    "beam_in_play",
     "joined",
     "motion_with",
     "parameters_with",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.effects.effect import Effect, Relations, Transmission
@@ -43,13 +44,21 @@ class BacklashMotion:
 
     def derivative(self, time: FloatArray, order: int = 1) -> FloatArray:
         """α̇ [rad/s], which jumps where the gap closes, or α̈ [rad/s²] without these impulses; same shape as `time`."""
-        return np.where(self.side[self._at(time)] != 0.0, self.base.derivative(time, order), 0.0)
+        return np.where(self.moved_at(time), self.base.derivative(time, order), 0.0)
+
+    def moved_at(self, time: FloatArray) -> NDArray[np.bool_]:
+        """Whether the linkage moves the beam at `time` [s], same shape."""
+        return np.asarray(self.side[self._at(time)] != 0.0)
 
 
 @njit(cache=True)
-def play(angle: FloatArray, half: float, stand: FloatArray, side: FloatArray) -> None:
-    """Fill `stand` and `side` by the play operator (Krasnosel'skii and Pokrovskii, 1989), begun mid-gap."""
-    beam = angle[0]
+def play(angle: FloatArray, half: float, begin: float, stand: FloatArray, side: FloatArray) -> None:
+    """Fill `stand` and `side` by the play operator (Krasnosel'skii and Pokrovskii, 1989).
+
+    Args:
+        begin: where the beam is at first, of half the gap from its middle, −1 … 1 [1].
+    """
+    beam = angle[0] + begin * half
     for n in range(len(angle)):
         side[n] = 0.0
         if angle[n] - beam >= half:
@@ -63,13 +72,16 @@ def transmitted(motion: BeamMotion, stamps: FloatArray, through: Transmission) -
     """The beam's motion behind the measured one, over a recording's stamps, shape (n,) [s]."""
     if through.gain != 1.0:
         motion = ScaledMotion(motion, through.gain)
-    if through.play == 0.0:
-        return motion
-    half = 0.5 * through.play
+    return motion if through.play == 0.0 else beam_in_play(motion, stamps, through.play)
+
+
+def beam_in_play(motion: BeamMotion, stamps: FloatArray, width: float, begin: float = 0.0) -> BacklashMotion:
+    """The beam's motion behind a linkage with a gap of this width [rad], from `begin` on (`play`)."""
+    half = 0.5 * width
     count = int((stamps[-1] - stamps[0]) / _PLAY_STEP) + 1
     time = np.append(stamps[0] + _PLAY_STEP * np.arange(count), stamps[-1])
     stand, side = np.empty(len(time)), np.empty(len(time))
-    play(motion.evaluate(time), half, stand, side)
+    play(motion.evaluate(time), half, begin, stand, side)
     return BacklashMotion(motion, time, stand, side, half)
 
 

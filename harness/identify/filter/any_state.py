@@ -14,6 +14,7 @@ from analytic.slots import DAHL, TRACTION
 from analytic.step import advance
 from harness.identify.filter.arguments import (
     NUDGE,
+    UNSTEADY,
     VELOCITY_VARIANCE,
     BeamTable,
     FilterOutput,

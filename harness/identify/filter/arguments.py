@@ -13,9 +13,9 @@ from analytic.motion import FloatArray
 
 SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted
 VELOCITY_VARIANCE = 1e-2  # of the first state, at rest with standard deviation 0.1 m/s [m²/s²]
+UNSTEADY = 0.5  # standard deviation of its acceleration, that of a ball on a beam at 4° [m/s²]
 # Smallest steps of the Jacobian's finite differences, in units of state: s, ṡ, slip or Dahl friction, lagging s, e.
 NUDGE = np.array([1e-6, 1e-5, 1e-5, 1e-6, 1e-6])
-_PIVOT = 1e-12  # smallest pivot of the error's covariance, over its variances: no less than what rounding leaves
 
 
 class Readings(NamedTuple):
@@ -147,18 +147,3 @@ def shifted(beam: BeamTable, step: int, since: float, e: float, rate: float, ang
         for c in range(out.shape[1]):
             out[i, c] = beam.table[2 * step + i, c]
         out[i, 0] += e + u * (rate + 0.5 * u * angular)
-
-
-@njit(cache=True)
-def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
-    """Cholesky factor of a 3 × 3 covariance whose entries span decades, into L from row and column `first` on."""
-    for i in range(3):
-        for j in range(i + 1):
-            total = covariance[i, j]
-            for a in range(j):
-                total -= L[first + i, first + a] * L[first + j, first + a]
-            if i == j:
-                L[first + i, first + i] = math.sqrt(max(total, _PIVOT * covariance[i, i]))
-            else:
-                root = L[first + j, first + j]
-                L[first + i, first + j] = total / root if root > 0.0 else 0.0

@@ -9,16 +9,17 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, SensorLaw, motion_with, sensor_with, transmission_with
+from analytic.effects import Acting, SensorLaw, Transmission, motion_with, sensor_with, transmission_with
 from analytic.kernel import Grid
 from analytic.models import CAM, Model
-from analytic.motion import DelayedMotion, FloatArray
+from analytic.motion import DelayedMotion, FloatArray, ScaledMotion
 from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.numerics import evenly_chosen
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
+from harness.signals.play_error import behind_play
 from harness.signals.rests import with_repeats
 
 _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
@@ -141,6 +142,18 @@ class PreparedRecording:
         """The same for an estimate from all recordings, which rests on one count inform once (`Drive.shared_error`)."""
         return self.error if self.drive.repeats is None else self._at_stamps(self.drive.shared_error)
 
+    @cached_property
+    def _behind_play(self) -> Callable[[Transmission, float, bool], ErrorProcess]:
+        """`error`, or `shared_error`, behind a play; the latest are kept, as tables are."""
+
+        def behind(through: Transmission, delay: float, shared: bool) -> ErrorProcess:
+            error = self.drive.shared_error if shared else self.drive.error
+            angle = ScaledMotion(self.drive, through.gain)
+            made = behind_play(error.scaled(through.gain), angle, self.drive.time, through.play, delay)
+            return self._at_stamps(made)
+
+        return lru_cache(maxsize=_TABLES)(behind)
+
     def _at_stamps(self, error: ErrorProcess) -> ErrorProcess:
         stamps = np.searchsorted(self.drive.time, self.time)
         if stamps[-1] - stamps[0] == len(stamps) - 1:
@@ -150,11 +163,14 @@ class PreparedRecording:
     def error_with(self, effects: Sequence[Acting], *, shared: bool = False) -> ErrorProcess:
         """`error`, or `shared_error`, of the beam's angle, where `effects` stand between it and the measured one.
 
-        To first order: a gain multiplies the error; a play passes it on, and what a delay of the position shifts it by
-        is short against the time over which its variance changes.
+        To first order: a gain multiplies the error, and what a delay of the position shifts it by is short against the
+        time over which its variance changes. Behind a play it is another one (`behind_play`).
         """
-        error, gain = self.shared_error if shared else self.error, transmission_with(effects).gain
-        return error if gain == 1.0 else error.scaled(gain)
+        through = transmission_with(effects)
+        if through.play > 0.0:
+            return self._behind_play(through, sensor_with(effects).delay, shared)
+        error = self.shared_error if shared else self.error
+        return error if through.gain == 1.0 else error.scaled(through.gain)
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
