@@ -42,12 +42,16 @@ class SensorLaw:
             self.cube + other.cube,
         )
 
-    def recorded(self, time: FloatArray, position: FloatArray) -> FloatArray:
-        """What is recorded of `position` [m] at `time` [s], both of shape (n,); NaN where it is not known."""
+    def recorded(self, time: FloatArray, position: FloatArray, behind: float = 0.0) -> FloatArray:
+        """What is recorded of `position` [m] at `time` [s], both of shape (n,); NaN where it is not known.
+
+        Args:
+            behind: by how much the output of the lag is behind the position at the first stamp [m].
+        """
         if self.delay:
             position = _delayed(time, position, self.delay)
         if self.lag:
-            position = _lagged(time, position, self.lag)
+            position = _lagged(time, position, self.lag, behind)
         return self.curve(position)
 
     def curve(self, position: FloatArray) -> FloatArray:
@@ -94,9 +98,10 @@ def _delayed(time: FloatArray, position: FloatArray, delay: float) -> FloatArray
     return np.where(known, curve(asked), np.nan)
 
 
-def _lagged(time: FloatArray, position: FloatArray, constant: float) -> FloatArray:
-    """T ẏ + y = s, exact for a position that is linear between stamps; it begins settled."""
+def _lagged(time: FloatArray, position: FloatArray, constant: float, behind: float) -> FloatArray:
+    """T ẏ + y = s, exact for a position that is linear between stamps; after a gap it begins settled."""
     out = np.array(position, float)
+    out[0] -= behind
     for n in range(1, len(time)):
         if not np.isfinite(out[n - 1]):
             continue

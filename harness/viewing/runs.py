@@ -190,8 +190,7 @@ def _lagging(at: FloatArray, position: FloatArray, sensor: SensorLaw, begins: fl
     """What a lagging sensor has of a run, shape (n,) [m]; it does not begin settled, but with what it then had."""
     if not sensor.lag:
         return position
-    settling = (begins - position[0]) * np.exp(-(at - at[0]) / sensor.lag)
-    return SensorLaw(lag=sensor.lag).recorded(at, position) + settling
+    return SensorLaw(lag=sensor.lag).recorded(at, position, behind=float(position[0]) - begins)
 
 
 def _smoothed(time: FloatArray, ball: BallEstimate, sensor: SensorLaw) -> Callable[[int], tuple[float, float, float]]:

@@ -23,13 +23,12 @@ from harness.identify.filter.arguments import (
     Sensor,
     angle_nudge,
     lagging,
-    root_of,
     shifted,
     velocity_nudge,
     weighted,
 )
 from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
-from harness.signals.error_process import ErrorProcess
+from harness.signals.error_process import ErrorProcess, root_of
 
 # Indices of e and of the coloured noise c in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, c).
 _ERROR, _COLOUR = 4, 7
@@ -153,11 +152,15 @@ def any_state(
             else:
                 x[0] = x[3] = lies(position[k], sensor.gain, sensor.square, sensor.cube)
                 _, slope = measured(x[0], sensor.gain, sensor.square, sensor.cube)
-                for i in range(few):
-                    if states[i] == 1:
-                        L[i, i] = math.sqrt(VELOCITY_VARIANCE)
-                    elif states[i] != 2:
-                        L[i, 0] = math.sqrt(reading_variance + sensor.colour) / slope
+                L[row_of_v, row_of_v] = math.sqrt(VELOCITY_VARIANCE)
+                for i in range(row_of_v):
+                    L[i, 0] = math.sqrt(reading_variance + sensor.colour) / slope
+                if lag > 0.0:  # after a motion at velocity v the sensor is T v behind
+                    change = lag * UNSTEADY  # of v meanwhile
+                    spread = math.sqrt(VELOCITY_VARIANCE + change**2)
+                    L[1, 1] = lag * spread
+                    L[2, 1] = VELOCITY_VARIANCE / spread
+                    L[2, 2] = change * math.sqrt(VELOCITY_VARIANCE) / spread
                 if coloured:  # what the first reading says of the ball is wrong by both kinds of noise
                     L[last, 0] = -sensor.colour / math.sqrt(reading_variance + sensor.colour)
                     L[last, last] = math.sqrt(sensor.colour * reading_variance / (reading_variance + sensor.colour))

@@ -25,14 +25,14 @@ def free_runs(
         first, last: stamps at which each window begins, and one after its last, shape (windows,).
         beam: motion of the beam on the grid of the whole recording.
         p: the kernel's vector, shape (SLOTS,) or longer where force laws follow.
-        lag: of the position sensor [s]; it begins settled.
+        lag: T of the position sensor [s]; at first it is T ṡ behind, as after a motion at that velocity.
         starts: s [m] and ṡ [m/s] at the first stamp of each window, shape (windows, 2).
     """
     out = np.empty(np.sum(last - first))
     at = 0
     for i in range(len(first)):
         s, v, w = starts[i, 0], starts[i, 1], 0.0
-        y = s
+        y = s - lag * v
         out[at] = y
         for stamp in range(first[i] + 1, last[i]):
             for j in range(beam.marks[stamp - 1], beam.marks[stamp]):

@@ -275,8 +275,8 @@ class _Scene:
             bad = float(at[np.argmin(np.isfinite(run.trajectory.position))])
             raise EngineFailure(self.engine.name, Failure.NOT_FINITE, bad, Failure.NOT_FINITE.value)
         position, lag = run.trajectory.position, self.sensor.lag
-        if lag > 0.0:  # the sensor lag of a run starts in steady state, that of the filter as estimated
-            position = SensorLaw(lag=lag).recorded(at, position) + (lagging - s) * np.exp(-(at - at[0]) / lag)
+        if lag > 0.0:  # which begins as the filter has estimated it
+            position = SensorLaw(lag=lag).recorded(at, position, behind=s - lagging)
         recorded = self.sensor.curve(position)
         result = np.full(len(ball_time), np.nan)
         result[inside] = recorded

@@ -126,5 +126,5 @@ class Model:
         run = self.engine.run(rig, motion, State(position, velocity), at, parameters=parameters, force=force)
         along = run.trajectory.position
         if sensor.lag > 0.0:
-            along = SensorLaw(lag=sensor.lag).recorded(at, along)
+            along = SensorLaw(lag=sensor.lag).recorded(at, along, behind=sensor.lag * velocity)
         return np.asarray(np.clip(sensor.curve(along), -LOST, LOST))
