@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from benchmarks.measured.page import LABELS
 from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
+from harness.identify.estimate.block_errors import group_fits
 from harness.identify.filter.run import Part, run_parts
 from harness.identify.model_file import read_model, rig_of
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import BaselinesRecord
 from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
-from harness.identify.validation.block_errors import group_fits
 from harness.preparation.recordings import observe
 from harness.report.diagnosis.account import FOUND
 from harness.report.palette import MEASURED_COLOUR

@@ -22,9 +22,10 @@ _TAKES_IF_KEPT = {
     Rule.EXTEND,
     Rule.EXCHANGE,
     Rule.PREFER,
+    Rule.RESTORE,
 }
 _LEAVES_IF_NOT_KEPT = {Rule.DROP, Rule.ABSORB, Rule.PRUNE, Rule.VALIDATE, Rule.PREFER}
-_BY_HELD_OUT_ERRORS = {Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE}
+_BY_HELD_OUT_ERRORS = {Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE, Rule.RESTORE}
 
 
 def untried(problem: Problem, selection: Selection, failures: Iterable[Failed] = ()) -> tuple[str, ...]:

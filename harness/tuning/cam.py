@@ -9,9 +9,9 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.failures import Failures
+from harness.identify.estimate.block_errors import block_errors
 from harness.identify.problem.problem import Problem
 from harness.identify.record import DiagnosisRecord
-from harness.identify.validation.block_errors import block_errors
 from harness.identify.verdict import identify
 from harness.numerics import rms
 from harness.progress import Progress, silent

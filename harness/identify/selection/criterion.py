@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
@@ -40,6 +41,7 @@ class Rule(StrEnum):
     EXTEND = "extend"  # add a candidate, by held-out errors
     PRUNE = "prune"  # keep or drop an effect, by held-out errors
     EXCHANGE = "exchange"  # replace an effect by a candidate, by held-out errors
+    RESTORE = "restore"  # return to the spline term that likelihood selected, by held-out errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,8 @@ class Evidence:
         winner: the best fit of the round (ADD, SWAP, SPLINE, JOINT, EXTEND, EXCHANGE).
         holder: the fit with the effect to be replaced (SWAP), or without the spline term (ABSORB).
         without: fits without one or the other of the pair (SPLIT).
-        before, after: deviance of each recording by fits to the others, without and with the term tried (SPLINE).
+        before, after: deviance of each recording by fits to the others, without and with the term tried (SPLINE);
+            errors of held-out blocks, of the alternative and of the fit tried, each by its own estimator [m] (RESTORE).
         tests: number of candidates among which the significance level is divided (EXTEND).
         nested: whether the effect is nested in the spline term (ABSORB).
     """
@@ -116,7 +119,7 @@ class Criterion:
 
     def decide(self, rule: Rule, tried: Fit, against: Fit, evidence: Evidence = NONE) -> Decision:
         """Decide whether `tried` is kept in preference to `against`, the fit that it extends or would replace."""
-        gain = self.gain(tried, against)
+        gain = self.gain(tried, against) if rule is not Rule.RESTORE else _log_ratio(evidence)
         rules: Mapping[Rule, Callable[[Fit, Fit, float, Evidence], tuple[bool, str]]] = {
             Rule.ADD: self._add,
             Rule.DROP: self._drop,
@@ -133,6 +136,7 @@ class Criterion:
             Rule.EXTEND: self._held_out,
             Rule.EXCHANGE: self._exchange,
             Rule.PRUNE: self._prune,
+            Rule.RESTORE: self._restore,
         }
         kept, because = rules[rule](tried, against, gain, evidence)
         return Decision(bool(kept), float(gain), because)
@@ -232,6 +236,13 @@ class Criterion:
         """An effect is kept if it reduces the held-out error by more than what its parameters have to."""
         return gain > 0.0, _held_out_errors(tried, against)
 
+    def _restore(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """A spline term by likelihood is returned to if, so fitted, it surely predicts held-out blocks better."""
+        before, after = np.array(evidence.before), np.array(evidence.after)
+        sure = mean_reduction(before, after, self.settings.chance).sure
+        text = f"fitted by likelihood, {_predicts(after, before)}"
+        return sure, text if sure or gain <= 0.0 else f"{text}, which is not significant"
+
     def reduction(self, tried: Fit, against: Fit, tests: int = 1) -> Margin:
         """Reduction of the mean held-out error [m], with its interval at the significance level divided by `tests`."""
         before, after = np.array(against.held_out), np.array(tried.held_out)
@@ -300,9 +311,18 @@ def _complete_error(problem: Problem) -> float:
     return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
 
 
+def _log_ratio(evidence: Evidence) -> float:
+    """Decrease of the log of the mean held-out error."""
+    return math.log(np.mean(evidence.before) / np.mean(evidence.after))
+
+
 def _held_out_errors(tried: Fit, against: Fit) -> str:
-    before, after = (1e3 * float(np.mean(fit.held_out)) for fit in (against, tried))
-    return f"predicts held-out blocks with a mean error of {after:.3g} mm instead of {before:.3g} mm"
+    return _predicts(tried.held_out, against.held_out)
+
+
+def _predicts(after: Sequence[float] | FloatArray, before: Sequence[float] | FloatArray) -> str:
+    mean, instead = (1e3 * float(np.mean(errors)) for errors in (after, before))
+    return f"predicts held-out blocks with a mean error of {mean:.3g} mm instead of {instead:.3g} mm"
 
 
 def _lowers(gain: float) -> str:

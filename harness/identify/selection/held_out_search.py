@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from analytic.effects import CATALOGUE
+from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.free_run_fit import Effort, FreeRunFit, fit_free_runs
@@ -37,8 +38,8 @@ def search_by_held_out_errors(
 ) -> tuple[Fit, Fit]:
     """Fits without and with the terms that predict held-out blocks best.
 
-    Those given are returned if nothing is surely better, or if the terms of `found` are best and its parameters predict
-    as well; and the base for both if it predicts better than `found`.
+    Those given are returned if nothing is surely better, if the terms of `found` are best and its parameters predict as
+    well, or if its spline term, fitted by likelihood, surely does better; and the base for both if it predicts better.
 
     Args:
         base, found: fits by likelihood, without and with the terms that it selects.
@@ -47,6 +48,8 @@ def search_by_held_out_errors(
         return base, found
     search = _Search(problem, ledger, progress)
     plain, best = search.jointly(base, found)
+    if best is not None and search.restores(found, best):
+        return base, found
     if best is plain:
         return base, base
     if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
@@ -106,6 +109,14 @@ class _Search:
             return plain, best
         kept = self.ledger.decide(Rule.VALIDATE, terms[0], plain, _added(terms[0], plain))
         return plain, None if kept else plain
+
+    def restores(self, found: Fit, best: Fit) -> bool:
+        """Whether the spline term of `found` is returned to, whose values free runs over a few windows do not find."""
+        if found.hypothesis.spline is None or best.hypothesis == found.refined:
+            return False
+        self.progress(f"cross-validation by likelihood: {self._title(found.hypothesis)}")
+        evidence = Evidence(before=best.held_out, after=tuple(block_errors(self.problem, found).tolist()))
+        return self.ledger.decide(Rule.RESTORE, found, best, evidence=evidence)
 
     def _best_of_each_size(self, sets: Sequence[FreeRunFit]) -> list[FreeRunFit]:
         """Of the sets of as many effects those of lowest loss, up to `_OF_A_SIZE`."""

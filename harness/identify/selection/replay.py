@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit, quiet_deviance
 from harness.identify.filter.run import deviance
@@ -212,7 +213,9 @@ def _evidence(
     recorded = line.evidence
     before, after = tuple(map(_number, recorded.before)), tuple(map(_number, recorded.after))
     tried, against = fits[line.fit], fits[line.against]
-    if refit is not None and before:
+    if refit is not None and Rule(line.rule) is Rule.RESTORE:
+        before, after = against.held_out, tuple(block_errors(problem, tried).tolist())
+    elif refit is not None and before:
         before, after = held_out_deviances(problem, against, tried, refit)
     return Evidence(
         winner=None if recorded.winner is None else fits[recorded.winner],

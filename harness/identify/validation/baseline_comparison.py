@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.block_errors import block_errors, groups_of
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.validation.baselines import FITS
-from harness.identify.validation.block_errors import block_errors, groups_of
 from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import rms
 from harness.progress import Progress, silent

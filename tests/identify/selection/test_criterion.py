@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
+import numpy as np
 import pytest
 
 from harness.identify.problem.problem import Problem
@@ -16,7 +17,7 @@ from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from tests.identify.selection.made import PRICE, READINGS, made, with_gain
 
 C = Criterion()
-HELD_OUT = (Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE)
+HELD_OUT = (Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE, Rule.RESTORE)
 
 
 def test_the_price_of_a_parameter_is_log_n() -> None:
@@ -34,6 +35,19 @@ def test_process_noise_is_a_parameter_that_may_be_saved() -> None:
     assert C.gain(quiet, noisy) == pytest.approx(PRICE)
     assert C.gain(replace(noisy, quiet_deviance=noisy.deviance + 0.5 * PRICE), noisy) == pytest.approx(0.5 * PRICE)
     assert C.gain(replace(noisy, quiet_deviance=noisy.deviance + 2.0 * PRICE), noisy) == 0.0
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.5, True), (0.98, False), (1.1, False)])
+def test_a_spline_term_by_likelihood_is_returned_to_if_it_surely_predicts_better(share: float, kept: bool) -> None:
+    """Compare mean errors of held-out blocks, each by the estimator of its fit, and say by how much the log differs."""
+    before = np.array([2.0, 4.0, 3.0, 5.0, 2.5, 1.5]) * 1e-3
+    after = share * before[::-1]  # another order, so that a few hundredths are within the scatter of the blocks
+    evidence = Evidence(before=tuple(before), after=tuple(after))
+    decision = C.decide(Rule.RESTORE, made(0.0, spline=True, parameters=12), made(0.0, "level_error"), evidence)
+    assert decision.kept is kept
+    assert decision.gain == pytest.approx(-math.log(share))
+    assert f"{3.0 * share:.3g} mm instead of 3 mm" in decision.because
+    assert ("not significant" in decision.because) == (not kept and share < 1.0)
 
 
 def test_spline_terms_are_compared_by_the_same_criterion() -> None:

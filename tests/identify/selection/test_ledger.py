@@ -11,12 +11,16 @@ from typing import Any
 
 import pytest
 
+from harness.identify.pose import problem_of
 from harness.identify.problem.settings import Settings
+from harness.identify.problem.spline_term import Regressor
 from harness.identify.record import LedgerRecord, SourcesRecord
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger_record import digest, ledger_record
 from harness.identify.selection.replay import replay
 from harness.identify.selection.search import Selection, search
+from harness.recording import load_case
+from harness.simulator import Experiment, write_case
 from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.004}, "level_error": {"angle": 0.004}}
@@ -158,3 +162,32 @@ def test_a_search_that_began_again_replays(searched: Selection) -> None:
     assert {Rule.RESTART, Rule.PREFER, Rule.SPLINE} <= {line.rule for line in selection.ledger}
     record = ledger_record(selection, INPUTS)
     assert replay(record, problem).mismatches == ()
+
+
+@pytest.mark.slow
+def test_a_search_that_returns_to_its_spline_term_replays(tmp_path: Path) -> None:
+    """Keep the curve of a rough patch, which free runs do not find, for what it predicts as the likelihood fits it.
+
+    The ball stops on the patch or rolls over it, and free runs of a few seconds part at its edges.
+    """
+    patch = {"coefficient": 0.00992369, "start": 0.292006, "end": 0.347991}
+    experiment = Experiment(
+        declared={"rolling_resistance": {"coefficient": 0.00183}},
+        unlisted={"rough_patch": patch},
+        counts=40_000,
+        position_noise=0.35e-3,
+        predict=0,
+        seed=1682453602,
+    )
+    write_case(tmp_path / "case", experiment)
+    problem = problem_of(load_case(tmp_path / "case"))
+    selection = search(problem)
+    (line,) = (line for line in selection.ledger if line.rule is Rule.RESTORE)
+    assert line.kept
+    assert selection.found is line.fit
+    spline = selection.found.hypothesis.spline
+    assert spline is not None
+    assert (spline.depends, spline.friction) == (Regressor.POSITION, True)
+    # free runs lay half of the patch to an evenly rough track
+    assert sum(line.evidence.after) < 0.5 * sum(line.evidence.before)
+    assert replay(ledger_record(selection, INPUTS), problem).mismatches == ()

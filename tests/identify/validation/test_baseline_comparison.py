@@ -9,6 +9,7 @@ import pytest
 
 from analytic.motion import FloatArray
 from harness.identify.diagnosis import diagnose
+from harness.identify.estimate.block_errors import block_errors, groups_of
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
@@ -23,7 +24,6 @@ from harness.identify.validation.baseline_comparison import (
     BaselineComparison,
     compare_with_baselines,
 )
-from harness.identify.validation.block_errors import block_errors, groups_of
 from harness.recording import KnownRig, load_case
 from harness.recording.case import MEASURED
 from tests.posed import Posed, pose
