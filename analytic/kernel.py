@@ -34,14 +34,17 @@ def _integrate(
     last: NDArray[np.int64],
     out: FloatArray,
 ) -> None:
+    """Fill `out`, s [m] and ṡ [m/s] at the stamps of one run after the other, shape (Σ (last − first + 1), 2)."""
     tilted = np.empty(tables.shape[1])  # sin(α + α₀), filled from row `low` to `high`
     low, high, motion, level, linear = 0, -1, -1, 0.0, 0.0  # what it was filled for
+    at = 0  # row of `out` for the first stamp of a run
     for run in range(starts.shape[0]):
         p = parameters[run]
         table = tables[table_of[run]]
         s, v, w = starts[run, 0], starts[run, 1], 0.0
-        stamp = first[run]
-        out[run, stamp, 0], out[run, stamp, 1] = s, v
+        filled = out[at : at + last[run] - first[run] + 1]
+        filled[0, 0], filled[0, 1] = s, v
+        at += len(filled)
         path = path_of(p)
         if path != GENERAL:
             begin, end = 2 * marks[first[run]], 2 * marks[last[run]]
@@ -50,15 +53,14 @@ def _integrate(
                 tilts(table, begin, end, p, tilted)
                 low, high, motion, level, linear = begin, end, table_of[run], p[slots.LEVEL], p[slots.LINEAR]
             if path == SMOOTH:
-                smooth_run(steps, marks, table, tilted, p, first[run], last[run], out[run])
+                smooth_run(steps, marks, table, tilted, p, first[run], last[run], filled)
             else:
-                dry_run(steps, marks, table, tilted, p, first[run], last[run], out[run])
+                dry_run(steps, marks, table, tilted, p, first[run], last[run], filled)
             continue
-        for j in range(marks[first[run]], marks[last[run]]):
-            s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
-            if j + 1 == marks[stamp + 1]:
-                stamp += 1
-                out[run, stamp, 0], out[run, stamp, 1] = s, v
+        for stamp in range(first[run], last[run]):
+            for j in range(marks[stamp], marks[stamp + 1]):
+                s, v, w = advance(s, v, w, steps[j], table, 2 * j, p)
+            filled[stamp + 1 - first[run], 0], filled[stamp + 1 - first[run], 1] = s, v
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Runs:
-    """Results of many runs on one grid: `position` [m] and `velocity` [m/s], shape (runs, n); NaN outside a run."""
+    """Results of many runs over one grid: `position` [m] and `velocity` [m/s], shape (runs, n)."""
 
     time: FloatArray
     position: FloatArray
@@ -131,18 +133,45 @@ def integrate(
     starts: FloatArray,
     *,
     table_of: NDArray[np.int64] | None = None,
-    first: NDArray[np.int64] | None = None,
-    last: NDArray[np.int64] | None = None,
 ) -> Runs:
-    """Integrate many runs at once.
+    """Integrate many runs over the whole grid at once.
 
     Args:
         grid: stamps and steps, n stamps.
         tables: beam motions from `Grid.tabulate`, shape (2 m + 1, 3) or (motions, 2 m + 1, 3).
         parameters: from `models.coefficients`, shape (SLOTS,) or (runs, SLOTS); longer where force laws follow.
-        starts: s [m] and ṡ [m/s] at each run's first stamp, shape (runs, 2).
+        starts: s [m] and ṡ [m/s] at the first stamp, shape (runs, 2).
         table_of: index of each run's motion, shape (runs,); the first one by default.
-        first, last: stamp indices at which a run begins and ends, shape (runs,); the whole grid by default.
+
+    Raises:
+        ValueError: arrays that do not fit the grid or each other; compiled code would read past their ends.
+    """
+    starts = np.atleast_2d(np.array(starts, float, order="C"))
+    n = len(grid.time)
+    first, last = np.zeros(len(starts), np.int64), np.full(len(starts), n - 1)
+    position, velocity = integrate_windows(grid, tables, parameters, starts, first, last, table_of=table_of)
+    return Runs(grid.time, position.reshape(-1, n), velocity.reshape(-1, n))
+
+
+def integrate_windows(
+    grid: Grid,
+    tables: FloatArray,
+    parameters: FloatArray,
+    starts: FloatArray,
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+    *,
+    table_of: NDArray[np.int64] | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Integrate many runs at once, each over its own window of the grid.
+
+    Args:
+        grid, tables, parameters, table_of: as of `integrate`.
+        starts: s [m] and ṡ [m/s] at each run's first stamp, shape (runs, 2).
+        first, last: indices of the first and last stamp of each run, shape (runs,).
+
+    Returns:
+        s [m] and ṡ [m/s] at the stamps of one run after the other, shape (Σ (last − first + 1),) each.
 
     Raises:
         ValueError: arrays that do not fit the grid or each other; compiled code would read past their ends.
@@ -153,8 +182,7 @@ def integrate(
     # Copied: a broadcast array is read-only, for which numba would compile the kernel again.
     parameters = np.array(np.broadcast_to(parameters, (count, parameters.shape[-1])), float, order="C")
     table_of = np.zeros(count, np.int64) if table_of is None else np.asarray(table_of, np.int64)
-    first = np.zeros(count, np.int64) if first is None else np.asarray(first, np.int64)
-    last = np.full(count, len(grid.time) - 1) if last is None else np.asarray(last, np.int64)
+    first, last = np.asarray(first, np.int64), np.asarray(last, np.int64)
     if tables.shape[1:] != (2 * len(grid.steps) + 1, 3):
         raise ValueError(f"tables have shape {tables.shape}; the grid asks for (…, {2 * len(grid.steps) + 1}, 3)")
     laws, rest = divmod(parameters.shape[1] - slots.SLOTS, slots.LAW_SLOTS)
@@ -164,10 +192,10 @@ def integrate(
         raise ValueError(f"table_of must lie within 0 … {len(tables) - 1}")
     if np.any((first < 0) | (first > last) | (last >= len(grid.time))):
         raise ValueError(f"windows must satisfy 0 <= first <= last <= {len(grid.time) - 1}")
-    out = np.full((count, len(grid.time), 2), np.nan)
+    out = np.empty((int(np.sum(last - first + 1)), 2))
     chosen, begins, ends = fixed(table_of), fixed(first), fixed(last)
     _integrate(grid.steps, grid.marks, np.ascontiguousarray(tables), chosen, parameters, starts, begins, ends, out)
-    return Runs(grid.time, out[..., 0], out[..., 1])
+    return out[:, 0], out[:, 1]
 
 
 def simulate(models: Sequence[Model], rig: Rig, motion: BeamMotion, start: State, time: FloatArray) -> list[Trajectory]:

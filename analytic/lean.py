@@ -76,10 +76,10 @@ def smooth_run(
         tilted: from `tilts`, filled where the run goes, shape (2 m + 1,) [1].
         p: from `models.coefficients`, for which `path_of` is `SMOOTH`.
         first, last: stamps.
-        out: s [m] and ṡ [m/s], shape (n, 2); row `first` holds the start, the rows after it are filled.
+        out: s [m] and ṡ [m/s] at these stamps, shape (last − first + 1, 2); row 0 holds the start, the rest is filled.
     """
     gravity, centrifugal, eccentric = p[slots.GRAVITY], p[slots.CENTRIFUGAL], p[slots.ECCENTRIC]
-    s, v = out[first, 0], out[first, 1]
+    s, v = out[0, 0], out[0, 1]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
             h, begin, middle, end = steps[j], 2 * j, 2 * j + 1, 2 * j + 2
@@ -95,7 +95,7 @@ def smooth_run(
             k4 = gravity * tilted[end] + centrifugal * (s + h * v3) * rate * rate - eccentric * angular
             s += h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
             v += h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
-        out[stamp, 0], out[stamp, 1] = s, v
+        out[stamp - first, 0], out[stamp - first, 1] = s, v
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -113,7 +113,7 @@ def dry_run(
     gravity, centrifugal, eccentric = p[slots.GRAVITY], p[slots.CENTRIFUGAL], p[slots.ECCENTRIC]
     plus, minus = p[slots.RESPONSE] * max(p[slots.DRY_PLUS], 0.0), p[slots.RESPONSE] * max(p[slots.DRY_MINUS], 0.0)
     weight, height = p[slots.WEIGHT], p[slots.HEIGHT]
-    s, v = out[first, 0], out[first, 1]
+    s, v = out[0, 0], out[0, 1]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
             h, begin, middle, end = steps[j], 2 * j, 2 * j + 1, 2 * j + 2
@@ -153,4 +153,4 @@ def dry_run(
             else:
                 v = (drive - sign * limit) * rest
                 s += 0.5 * v * rest
-        out[stamp, 0], out[stamp, 1] = s, v
+        out[stamp - first, 0], out[stamp - first, 1] = s, v

@@ -205,9 +205,8 @@ GB for each process beside it, and the largest arrays. These are
 - of `diagnose`, Jacobians of shape (readings, parameters), six copies on each core, with a parameter for each
   recording; 24 motions of the beam drawn from the smoothed angle; states and covariances of the smoothing; tables of
   the motion;
-- of `run`, position and velocity of every source, of shape (windows, readings), which grow with the square of the
-  duration; the positions of 40 combinations of model terms on one horizon; 64 drawn motions; the engine's steps, 1 kB
-  each;
+- of `run`, position and velocity of every source on every horizon; the positions of 40 combinations of model terms on
+  one horizon; 64 drawn motions of the beam and what they move the ball by; the engine's steps, 1 kB each;
 - of `tune`, those of `diagnose`, 256 drawn errors of the angle, and the engine's steps in a window on each core;
 - of `sweep`, 0.3 GB and the engine's steps for each process. The memory of a cluster is not known.
 

@@ -63,10 +63,7 @@ def diagnosis_memory(recordings: Sequence[Recording]) -> float:
 def comparison_memory(
     recording: Recording, engines: Sequence[tuple[Engine, EngineParameters]], choices: Choices
 ) -> float:
-    """The most memory that a comparison on a recording takes [bytes].
-
-    Position and velocity of every source have the shape (windows, stamps), NaN outside a window, so that they grow with
-    the square of the duration.
+    """The most memory that a comparison on a recording takes [bytes]; it grows with the recording's length.
 
     Args:
         recording: to compare.
@@ -76,10 +73,10 @@ def comparison_memory(
     from analytic.models import MODELS
 
     duration, stamps = _duration(recording), len(recording.time)
-    windows = [1.0, *(max(duration / one, 1.0) for one in set(choices.lengths))]
-    runs = sum(windows) * stamps * ((len(MODELS) + len(engines)) * _BALL + _FLOAT)  # and u_val
-    ablation = _COMBINATIONS * max(windows) * stamps * _FLOAT
-    drawn = choices.draws * (stamps * _MOTION + 2.0 * _table(duration, stamps) + len(windows) * stamps * _FLOAT)
+    horizons = 1 + len(set(choices.lengths))  # each with a stamp of nearly every run
+    runs = horizons * stamps * ((len(MODELS) + len(engines)) * _BALL + _FLOAT)  # and u_val
+    ablation = _COMBINATIONS * stamps * _FLOAT
+    drawn = choices.draws * (stamps * _MOTION + _table(duration, stamps) + (horizons + 2) * stamps * _FLOAT)
     steps = max((2.0 * duration / one.time_step for _, one in engines), default=0.0)  # half the step tells its error
     return _COMMAND + runs + ablation + drawn + steps * _ENGINE_STEP
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pydantic_core
 
 from harness.provenance import SEAL, seal_of
@@ -36,7 +37,9 @@ def trajectories(study: Study) -> pd.DataFrame:
 
     whole = study.setting.horizons[0]
     table = {"time_s": study.setting.time, "measured_m": study.setting.recording.position}
-    table |= {f"{source}_m": study.run_of(source, whole).position[0] for source in study.sources}
+    for source in study.sources:
+        table[f"{source}_m"] = np.full(len(study.setting.time), np.nan)
+        table[f"{source}_m"][whole.stamps] = study.run_of(source, whole).position
     return pd.DataFrame(table)
 
 

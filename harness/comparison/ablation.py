@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from analytic.kernel import Grid, integrate
+from analytic.kernel import Grid, integrate_windows
 from analytic.models import CUM, Model, Reading
 from analytic.motion import FloatArray
 from analytic.slots import FRICTION_GAIN, LEVEL
@@ -42,7 +42,7 @@ class Combination:
         friction_coefficient: f_b in the reading's unit; 0 without friction.
         max_error, rms_error: over all runs [m].
         e_disp: ∫|e_s| dt over all runs [m s].
-        position: of the ball, shape (runs, n), NaN outside a run [m].
+        position: of the ball at the stamps of the horizon, shape (k,) [m].
     """
 
     radius: str
@@ -79,8 +79,7 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
     unit = rig.with_(friction_coefficient=1.0)
     base = setting.vector(model, unit)
     starts = setting.starts(horizon)
-    use = [setting.ball.trusted[where] for where in horizon.slices()]
-    measured = setting.recording.position
+    use, measured = setting.ball.trusted[horizon.stamps], setting.recording.position[horizon.stamps]
 
     def vector(x: FloatArray) -> FloatArray:
         p = base.copy()
@@ -90,12 +89,11 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
         return p
 
     def run(x: FloatArray) -> FloatArray:
-        return integrate(grid, table, vector(x), starts, first=horizon.first, last=horizon.last).position
+        return integrate_windows(grid, table, vector(x), starts, horizon.first, horizon.last)[0]
 
     def errors(x: FloatArray) -> FloatArray:
-        position = run(x)
-        pieces = [(position[i, w] - measured[w])[use[i]] for i, w in enumerate(horizon.slices())]
-        return np.nan_to_num(np.concatenate(pieces), nan=_DIVERGED_ERROR).clip(-_DIVERGED_ERROR, _DIVERGED_ERROR)
+        error = (run(x) - measured)[use]
+        return np.nan_to_num(error, nan=_DIVERGED_ERROR).clip(-_DIVERGED_ERROR, _DIVERGED_ERROR)
 
     x = np.array([0.0] * level + ([_FRICTION_START[model.reading]] if model.reading else []))
     if len(x):
@@ -104,10 +102,9 @@ def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, mode
         x = least_squares(errors, x, bounds=bounds, x_scale=scale).x
     # A copy, since the velocities beside it are not wanted: all combinations are kept until the report.
     position, error = np.ascontiguousarray(run(x)), errors(x)
-    e_disp = sum(
-        float(np.trapezoid(np.abs(position[i, w] - measured[w])[use[i]], setting.time[w][use[i]]))
-        for i, w in enumerate(horizon.slices())
-    )
+    every = (np.abs(position - measured), setting.time[horizon.stamps], use)
+    pieces = zip(*map(horizon.pieces, every), strict=True)
+    e_disp = sum(float(np.trapezoid(size[judged], time[judged])) for size, time, judged in pieces)
     return Combination(
         radius=model.inertia_radius,
         eccentric=model.eccentric,

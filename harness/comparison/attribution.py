@@ -27,13 +27,13 @@ _MIN_ORDER, _MAX_ORDER = 1.0, 3.0  # first order is guaranteed; cancelling terms
 
 @dataclass(frozen=True)
 class Attribution:
-    """The parts of one engine's error in one free run; arrays of shape (n,), NaN outside the run [m].
+    """The parts of one engine's error in one free run; arrays at the stamps of the run, shape (k,) [m].
 
     Attributes:
         source: name of the engine.
         time_step: of the engine [s].
         numerical, contact, physics: the parts; their sum is engine − measured.
-        use: stamps with a valid measurement, shape (n,).
+        use: stamps with a valid measurement, shape (k,).
         order: observed order of convergence.
     """
 
@@ -69,17 +69,17 @@ def attribute(
         at[factor] = run_engine(setting, engine, other, own.horizon)
     if any(runs.failures for runs in at.values()):
         return None
-    coarse, middle, fine = (at[factor].position[0] for factor in (2.0, 1.0, 0.5))
-    measured = setting.recording.position
-    use = setting.ball.trusted & np.isfinite(middle)
+    coarse, middle, fine = (at[factor].position for factor in (2.0, 1.0, 0.5))
+    measured = setting.recording.position[own.horizon.stamps]
+    use = setting.ball.trusted[own.horizon.stamps] & np.isfinite(middle)
     order = _order(coarse[use] - middle[use], middle[use] - fine[use])
     limit = fine + (fine - middle) / (2.0**order - 1.0)
     return Attribution(
         engine.name,
         parameters.time_step,
         numerical=middle - limit,
-        contact=limit - cam.position[0],
-        physics=cam.position[0] - measured,
+        contact=limit - cam.position,
+        physics=cam.position - measured,
         use=use,
         order=order,
     )

@@ -3,6 +3,8 @@
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +12,15 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.metrics import horizon_name
 
+Value = TypeVar("Value", bound=np.generic)
+
 
 @dataclass(frozen=True)
 class Horizon:
     """The runs of one horizon: where each begins and ends.
+
+    What is known of all of them stands in one row, one run after the other (`stamps`). Windows meet at a stamp, which
+    is the last of one and the first of the next.
 
     Attributes:
         seconds: window length, `None` for the whole recording [s].
@@ -32,6 +39,15 @@ class Horizon:
     def slices(self) -> list[slice]:
         """Stamps of each run, as slices."""
         return [slice(int(f), int(e) + 1) for f, e in zip(self.first, self.last, strict=True)]
+
+    @cached_property
+    def stamps(self) -> NDArray[np.int64]:
+        """Indices of the stamps of one run after the other, shape (k,)."""
+        return np.concatenate([np.arange(where.start, where.stop) for where in self.slices()])
+
+    def pieces(self, values: NDArray[Value]) -> list[NDArray[Value]]:
+        """Each run's share of `values` at `stamps`, shape (..., k): views of shape (..., stamps of the run)."""
+        return np.split(values, np.cumsum(self.last - self.first + 1)[:-1], axis=-1)
 
 
 def horizons(time: FloatArray, known: NDArray[np.bool_], lengths: Sequence[float]) -> list[Horizon]:

@@ -70,9 +70,8 @@ class Inputs:
     """Uncertainty of start, angle and readings on the runs used for the claims.
 
     Attributes:
-        u_val: of the runs, shape (runs, n), NaN outside a run [m].
-        displacement: of the ball by each draw of the inputs, at the stamps of one run after the other, shape
-            (draws, stamps) [m].
+        u_val: at the stamps of the horizon, shape (k,) [m].
+        displacement: of the ball there by each draw of the inputs, shape (draws, k) [m].
     """
 
     u_val: FloatArray
@@ -98,12 +97,8 @@ class Judge:
     """
 
     def __init__(self, setting: Setting, horizon: Horizon, inputs: Inputs) -> None:
-        inside = np.zeros(inputs.u_val.shape, np.bool_)
-        for i, where in enumerate(horizon.slices()):
-            inside[i, where] = setting.ball.trusted[where]
-        self._use, self.noise = inside, setting.reading_noise
-        trusted = np.concatenate([setting.ball.trusted[where] for where in horizon.slices()])
-        self._displacement = inputs.displacement[:, trusted]
+        self._use, self.noise = setting.ball.trusted[horizon.stamps], setting.reading_noise
+        self._displacement = inputs.displacement[:, self._use]
 
     def gain(self, base: Combination, other: Combination) -> tuple[float, float]:
         """Mean square error of `base` minus that of `other`, and its standard deviation [m²].

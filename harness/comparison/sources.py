@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from analytic.effects import rig_with, sensor_with
-from analytic.kernel import Grid, integrate
+from analytic.kernel import Grid, integrate_windows
 from analytic.lift_off import first_lift_off
 from analytic.models import CAM, Model
 from analytic.motion import FloatArray, State, beam_states
@@ -31,7 +31,7 @@ class SourceRuns:
     Attributes:
         source: `cam`, `mujoco` …
         horizon: begin and end of the runs.
-        position, velocity: shape (runs, n), NaN outside a run and if the engine failed [m], [m/s].
+        position, velocity: at `horizon.stamps`, shape (k,), NaN where the engine failed [m], [m/s].
         health: of the successful engine runs.
         failures: of the failed engine runs.
         lifted_off: when the ball lifts off the beam for the first time, in each run in which it does [s].
@@ -55,16 +55,15 @@ def run_models(
     count = len(horizon.first)
     starts = setting.starts(horizon)
     vectors = np.array([setting.vector(model, rig) for model in models])
-    runs = integrate(
+    runs = integrate_windows(
         grid,
         table,
         np.repeat(vectors, count, axis=0),
         np.tile(starts, (len(models), 1)),
-        first=np.tile(horizon.first, len(models)),
-        last=np.tile(horizon.last, len(models)),
+        np.tile(horizon.first, len(models)),
+        np.tile(horizon.last, len(models)),
     )
-    shape = (len(models), count, len(setting.time))
-    position, velocity = runs.position.reshape(shape), runs.velocity.reshape(shape)
+    position, velocity = (one.reshape(len(models), -1) for one in runs)
     lifted: tuple[float, ...] = ()
     if CAM in models:  # holds for all of them: it is the ball that lifts off
         cam = models.index(CAM)
@@ -82,13 +81,13 @@ def _lifted_off(
     Args:
         setting: drive and declared effects.
         horizon: of the runs.
-        position, velocity: of CAM's runs, shape (runs, n) [m], [m/s].
+        position, velocity: of CAM's runs, shape (k,) [m], [m/s].
         rig: on which they were made.
     """
     altered = rig_with(rig, setting.acting)
-    for where, s, v in zip(horizon.slices(), position, velocity, strict=True):
+    for where, s, v in zip(horizon.slices(), horizon.pieces(position), horizon.pieces(velocity), strict=True):
         stamps = setting.time[where]
-        path = CubicHermiteSpline(stamps, s[where], v[where])
+        path = CubicHermiteSpline(stamps, s, v)
         fine = np.append(np.arange(stamps[0], stamps[-1], _INSTANT), stamps[-1])
         found = first_lift_off(path(fine), path(fine, 1), beam_states(setting.motion, fine), altered)
         if found is not None:
@@ -96,17 +95,17 @@ def _lifted_off(
 
 
 def _apply_sensor(setting: Setting, horizon: Horizon, position: FloatArray) -> None:
-    """Applies declared sensor effects to the positions of a source, shape (runs, n), in place."""
+    """Applies declared sensor effects to the positions of a source, shape (k,), in place."""
     sensor = sensor_with(setting.acting)
-    for run, where in zip(position, horizon.slices(), strict=True):
-        if np.isfinite(run[where]).any():
-            run[where] = sensor.recorded(setting.time[where], run[where])
+    for run, where in zip(horizon.pieces(position), horizon.slices(), strict=True):
+        if np.isfinite(run).any():
+            run[:] = sensor.recorded(setting.time[where], run)
 
 
 def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, horizon: Horizon) -> SourceRuns:
     """Runs one engine on one horizon; a failed run is recorded in `failures` and its trajectory is NaN."""
-    shape = (len(horizon.first), len(setting.time))
-    position, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
+    position, velocity = np.full((2, len(horizon.stamps)), np.nan)
+    positions, velocities = horizon.pieces(position), horizon.pieces(velocity)
     health: list[Health] = []
     failures: list[EngineFailure] = []
     lifted: list[float] = []
@@ -121,7 +120,7 @@ def run_engine(setting: Setting, engine: Engine, parameters: EngineParameters, h
             failures.append(failure)
             lifted += [failure.time] if failure.failure is Failure.LIFTED_OFF else []
             continue
-        position[i, where], velocity[i, where] = run.trajectory.position, run.trajectory.velocity
+        positions[i][:], velocities[i][:] = run.trajectory.position, run.trajectory.velocity
         health.append(run.health)
         lifted += [] if run.health.lifted_off is None else [run.health.lifted_off]
     _apply_sensor(setting, horizon, position)

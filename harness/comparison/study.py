@@ -38,7 +38,7 @@ class Study:
         engines: engines with their parameters.
         runs: every source on every horizon, models first; horizons in the order of `setting`.
         scores: one per entry of `runs`.
-        u_val: per horizon of `setting`, shape (runs, n) [m].
+        u_val: at the stamps of each horizon of `setting`, shape (k,) [m].
         headline: the longest informative horizon; see `headline_of`.
         attributions: one per engine whose free run succeeded.
         combinations, differences, claims: ablation and the paper's claims, on the headline horizon.
@@ -94,7 +94,7 @@ class Study:
         return next(s for s in self.scores if s.source == source and s.horizon == horizon.name)
 
     def u_val_of(self, horizon: Horizon) -> FloatArray:
-        """u_val on one horizon, shape (runs, n), NaN outside a run [m]."""
+        """u_val at the stamps of one horizon, shape (k,) [m]."""
         names = [one.name for one in self.setting.horizons]
         return self.u_val[names.index(horizon.name)]
 
@@ -115,7 +115,7 @@ class Study:
 
     def floor(self, horizon: Horizon) -> float:
         """RMS of u_val on one horizon [m]: the expected error of a perfect model."""
-        return float(np.sqrt(np.nanmean(self.u_val_of(horizon) ** 2)))
+        return float(np.sqrt(np.mean(self.u_val_of(horizon) ** 2)))
 
 
 def study(
@@ -128,7 +128,7 @@ def study(
     runs = run_all(setting, list(MODELS.values()), engines, Stage(progress, *_RUNS, every))
     progress("uncertainty of start and angle", share=_RUNS[1])
     displaced = displacements(setting)
-    u_val = [uncertainty(setting, h, one) for h, one in zip(setting.horizons, displaced, strict=True)]
+    u_val = [uncertainty(setting, one) for one in displaced]
     headline = headline_of(setting, u_val)
     u_val_by_horizon = {h.name: u for h, u in zip(setting.horizons, u_val, strict=True)}
     inputs = Inputs(u_val_by_horizon[headline.name], displaced[setting.horizons.index(headline)])
@@ -176,7 +176,7 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
     position = setting.ball.position
     longest_first = sorted(zip(setting.horizons, u_val, strict=True), key=lambda each: -(each[0].seconds or math.inf))
     for horizon, u in longest_first:
-        ends = np.array([u[i, last] for i, last in enumerate(horizon.last)])
+        ends = np.array([piece[-1] for piece in horizon.pieces(u)])
         motion = np.array([np.std(position[where]) for where in horizon.slices()])
         if rms(ends) < rms(motion):
             return horizon
@@ -185,17 +185,18 @@ def headline_of(setting: Setting, u_val: Sequence[FloatArray]) -> Horizon:
 
 def compared_windows(setting: Setting, run: SourceRuns, u_val: FloatArray) -> list[RunComparison]:
     """The runs of a source on a horizon beside the measurement, each window from its own start."""
-    ball, measured = setting.ball, setting.recording.position
+    ball, horizon = setting.ball, run.horizon
+    pieces = zip(*map(horizon.pieces, (run.position, run.velocity, u_val)), strict=True)
     return [
         RunComparison(
             time=setting.time[where],
-            measured=measured[where],
-            model=run.position[i, where],
+            measured=setting.recording.position[where],
+            model=position,
             measured_velocity=ball.velocity[where],
-            model_velocity=run.velocity[i, where],
+            model_velocity=velocity,
             use=ball.trusted[where],
-            uncertainty=u_val[i, where],
+            uncertainty=uncertainty,
             start=float(ball.position[where][0]),
         )
-        for i, where in enumerate(run.horizon.slices())
+        for where, (position, velocity, uncertainty) in zip(horizon.slices(), pieces, strict=True)
     ]

@@ -8,27 +8,24 @@ sensor noise is added (u_D).
 import numpy as np
 
 from analytic.effects import motion_with
-from analytic.kernel import Grid, integrate
+from analytic.kernel import Grid, integrate_windows
 from analytic.models import CAM
 from analytic.motion import BeamMotion, FloatArray
 from analytic.slots import CENTRIFUGAL, ECCENTRIC, GRAVITY, LEVEL
-from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.metrics import validation_uncertainty
 from harness.numerics import rms
 
 
 def displacements(setting: Setting) -> list[FloatArray]:
-    """Displacement of the ball by each draw, one array of shape (draws, stamps) per horizon [m].
-
-    The stamps are those of the horizon's runs, one run after the other: windows fill little of (runs, n), and of a
-    recording of minutes memory would not hold that for every draw.
-    """
+    """Displacement of the ball by each draw at the stamps of each horizon, one array of shape (draws, k) each [m]."""
     choices, drive, ball = setting.choices, setting.drive, setting.ball
     draws, generator = choices.draws, np.random.default_rng(choices.seed)
     grid = Grid.over(setting.time)
     paths: list[BeamMotion] = [drive, *drive.draw(draws, choices.seed)]
-    tables = np.array([grid.tabulate(motion_with(path, setting.time, setting.acting)) for path in paths])
+    tables = np.empty((draws + 1, len(grid.edges), 3))
+    for table, path in zip(tables, paths, strict=True):
+        table[:] = grid.tabulate(motion_with(path, setting.time, setting.acting))
     parameters = _parameters(setting, draws, generator)
     result = []
     for horizon in setting.horizons:
@@ -40,31 +37,24 @@ def displacements(setting: Setting) -> list[FloatArray]:
             # estimate the ball starts correspondingly slower.
             rate = tables[:, 2 * grid.marks[horizon.first], 1]
             starts[1:, :, 1] -= parameters[1:, ECCENTRIC, None] * (rate[1:] - rate[0])
-        moved = []
-        for i, (first, last) in enumerate(zip(horizon.first.tolist(), horizon.last.tolist(), strict=True)):
-            part, rows = _between(grid, first, last)
-            every = np.arange(draws + 1)
-            drawn = integrate(part, tables[:, rows], parameters, starts[:, i], table_of=every).position
-            moved.append(drawn[1:] - drawn[0])
-        result.append(np.concatenate(moved, axis=1))
+        count = len(horizon.first)
+        position, _ = integrate_windows(
+            grid,
+            tables,
+            np.repeat(parameters, count, axis=0),
+            starts.reshape(-1, 2),
+            np.tile(horizon.first, draws + 1),
+            np.tile(horizon.last, draws + 1),
+            table_of=np.repeat(np.arange(draws + 1), count),
+        )
+        drawn = position.reshape(draws + 1, -1)
+        result.append(drawn[1:] - drawn[0])
     return result
 
 
-def _between(grid: Grid, first: int, last: int) -> tuple[Grid, slice]:
-    """The grid from one stamp to another, given by their indices, and the rows of a table of `grid` for it."""
-    begin, end = int(grid.marks[first]), int(grid.marks[last])
-    marks = grid.marks[first : last + 1] - begin
-    return Grid(grid.time[first : last + 1], grid.steps[begin:end], marks), slice(2 * begin, 2 * end + 1)
-
-
-def uncertainty(setting: Setting, horizon: Horizon, displacement: FloatArray) -> FloatArray:
-    """u_val of the runs of a horizon with its `displacement`, shape (draws, stamps): shape (runs, n) [m]."""
-    spread = rms(displacement, axis=0)
-    moved, begin = np.full((len(horizon.first), len(setting.time)), np.nan), 0
-    for i, where in enumerate(horizon.slices()):
-        end = begin + where.stop - where.start
-        moved[i, where], begin = spread[begin:end], end
-    return validation_uncertainty(setting.reading_noise, moved)
+def uncertainty(setting: Setting, displacement: FloatArray) -> FloatArray:
+    """u_val [m] at the stamps of a horizon, shape (k,), with its `displacement`, shape (draws, k) [m]."""
+    return validation_uncertainty(setting.reading_noise, rms(displacement, axis=0))
 
 
 def _parameters(setting: Setting, draws: int, generator: np.random.Generator) -> FloatArray:

@@ -88,7 +88,7 @@ def facts_of(study: Study) -> Facts:
         over_uncertainty=study.score_of(ranked[0].source, headline).rms_error_over_uncertainty,
         u_val=study.floor(headline),
         still=still_error(study, headline),
-        end_u_val=float(study.u_val_of(whole)[0, whole.last[0]]),
+        end_u_val=float(study.u_val_of(whole)[-1]),
         motion=float(np.std(setting.ball.position[whole.slices()[0]])),
         engines=[_engine_fact(study, engine.name) for engine, _ in study.engines],
         shorter=_shorter(study),

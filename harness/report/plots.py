@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.comparison.horizons import Horizon
 from harness.formatting import brief
 from harness.report.chart import Chart
 from harness.report.palette import INK, LEFT_OUT_COLOUR, UNCERTAINTY_COLOUR, Look
@@ -100,8 +101,8 @@ def thinning(samples: int) -> int:
 
 def joined(
     time: FloatArray,
-    pieces: FloatArray,
-    slices: Sequence[slice],
+    values: FloatArray,
+    horizon: Horizon,
     keep: NDArray[np.bool_] | None = None,
     *,
     thin: bool = True,
@@ -110,21 +111,20 @@ def joined(
 
     Args:
         time: stamps, shape (n,) [s].
-        pieces: one run per row, shape (runs, n).
-        slices: the stamps of each run.
+        values: at the stamps of the horizon, shape (k,).
+        horizon: of the runs.
         keep: stamps to draw, shape (n,), the others are skipped; `None` for all.
         thin: whether the line is thinned.
     """
     keep = np.ones(len(time), dtype=np.bool_) if keep is None else keep
-    stride = thinning(sum(where.stop - where.start for where in slices)) if thin else 1
+    stride = thinning(len(values)) if thin else 1
+    runs = zip(*(horizon.pieces(one) for one in (time[horizon.stamps], values, keep[horizon.stamps])), strict=True)
     parts = [
-        np.pad(
-            np.array([time[where], row[where]])[:, keep[where]][:, ::stride], ((0, 0), (0, 1)), constant_values=np.nan
-        )
-        for row, where in zip(pieces, slices, strict=True)
+        np.pad(np.array([stamps, piece])[:, shown][:, ::stride], ((0, 0), (0, 1)), constant_values=np.nan)
+        for stamps, piece, shown in runs
     ]
-    times, values = np.concatenate(parts, axis=1)
-    return times, values
+    times, line = np.concatenate(parts, axis=1)
+    return times, line
 
 
 def line(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> None:

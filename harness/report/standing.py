@@ -35,13 +35,14 @@ class Standing:
 
 def standings(study: Study, horizon: Horizon) -> list[Standing]:
     """All sources on `horizon` by RMS error; sources of equal motion in the order of the study."""
-    slices, use = horizon.slices(), study.setting.ball.trusted
-    measured, u_val = study.setting.recording.position, study.u_val_of(horizon)
-    errors = {
-        source: [(study.run_of(source, horizon).position[i, w] - measured[w])[use[w]] for i, w in enumerate(slices)]
-        for source in study.sources
-    }
-    u = [u_val[i, w][use[w]] for i, w in enumerate(slices)]
+    use = study.setting.ball.trusted[horizon.stamps]
+    measured = study.setting.recording.position[horizon.stamps]
+
+    def used(values: FloatArray) -> list[FloatArray]:
+        return [piece[judged] for piece, judged in zip(horizon.pieces(values), horizon.pieces(use), strict=True)]
+
+    errors = {source: used(study.run_of(source, horizon).position - measured) for source in study.sources}
+    u = used(study.u_val_of(horizon))
     floor = _rms(u)
     sizes = {source: _rms(error) for source, error in errors.items()}
     # Sources of equal motion rank together, in the order of the study: analytic models before the engines.

@@ -12,7 +12,6 @@ import numpy as np
 
 from analytic.effects import Acting, EffectError, acting
 from analytic.models import CAM
-from analytic.motion import FloatArray
 from analytic.rig import RigError
 from harness.comparison import Choices, Setting, prepare
 from harness.comparison.horizons import Horizon
@@ -135,9 +134,9 @@ def _measured(setting: Setting, run: Run) -> Row:
     begin = time.thread_time()  # of the processor: other jobs share it
     made = _run_of(setting, run, horizon)
     seconds = time.thread_time() - begin
-    reference = _joined(made.position - cam.position, horizon)
+    reference = made.position - cam.position
     trusted = np.where(setting.ball.trusted, setting.recording.position, np.nan)
-    error = _joined(made.position - trusted, horizon)
+    error = made.position - trusted[horizon.stamps]
     error = error[np.isfinite(error)]
     return {
         "error_cam_max_m": max_error(reference),
@@ -166,8 +165,3 @@ def _run_of(setting: Setting, run: Run, horizon: Horizon) -> SourceRuns:
     if made.failures:
         raise made.failures[0]
     return made
-
-
-def _joined(values: FloatArray, horizon: Horizon) -> FloatArray:
-    """Values of all runs in one row."""
-    return np.concatenate([row[where] for row, where in zip(values, horizon.slices(), strict=True)])

@@ -128,8 +128,7 @@ def _measured(study: Study, limit: Limit, horizon: Horizon) -> tuple[float, str]
     if not limit.against_cam:
         return float(getattr(study.score_of(limit.source, horizon), limit.metric.name)), ""
     cam = study.run_of(CAM.name, horizon)
-    pieces = [(runs.position[i, where] - cam.position[i, where]) for i, where in enumerate(horizon.slices())]
-    return _DIFFERENCE[limit.metric.name](np.concatenate(pieces)), ""
+    return _DIFFERENCE[limit.metric.name](runs.position - cam.position), ""
 
 
 _DIFFERENCE = {

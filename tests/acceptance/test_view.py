@@ -56,7 +56,8 @@ def test_a_clip_of_the_bundled_recording_shows_both_balls_where_they_are(harness
 
     setting = prepare(load_case(Path("paper_protocol")), Choices())
     engine = engine_of("mujoco")
-    run = run_engine(setting, engine, engine.parameters(), setting.horizons[0])
+    whole = setting.horizons[0]
+    run = run_engine(setting, engine, engine.parameters(), whole)
     known = setting.ball.trusted
     stamps, reading = setting.time[known], setting.recording.position[known]
     shown = run_without(setting, engine, {})
@@ -68,7 +69,7 @@ def test_a_clip_of_the_bundled_recording_shows_both_balls_where_they_are(harness
         time = 2.0 + number / 30
         angle = float(setting.motion.evaluate(np.array([time]))[0])
         balls = (
-            (np.interp(time, setting.time, run.position[0]), orange),
+            (np.interp(time, setting.time[whole.stamps], run.position), orange),
             (np.interp(time, stamps, reading), blue),
         )
         for position, colour in balls:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from analytic.kernel import Grid, Runs, integrate, simulate
+from analytic.kernel import Grid, Runs, integrate, integrate_windows, simulate
 from analytic.models import CAM, CUM, FRICTION, MODELS, Model, Reading, coefficients
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
@@ -157,21 +157,20 @@ def test_runs_of_a_batch_do_not_touch_each_other() -> None:
 
 
 def test_windows_are_slices_of_restarted_runs() -> None:
-    """Give each window bit for bit what its stamps give as a recording of their own, and NaN outside."""
+    """Give each window bit for bit what its stamps give as a recording of their own, one after the other."""
     grid, tables, parameters, starts, table_of = batch()
     random = np.random.default_rng(7)
     first, last = np.sort(random.integers(0, len(UNEVEN), (2, len(starts))), axis=0)
     first[0], last[0], first[1] = 0, len(UNEVEN) - 1, last[1]
-    runs = integrate(grid, tables, parameters, starts, table_of=table_of, first=first, last=last)
+    position, velocity = integrate_windows(grid, tables, parameters, starts, first, last, table_of=table_of)
+    ends = np.cumsum(last - first + 1)
+    assert len(position) == len(velocity) == ends[-1]
     motions = (MOTION, Fixed(0.02), Ramp(0.01, -0.05))
     for run, (begin, end) in enumerate(zip(first, last, strict=True)):
-        own = Grid.over(UNEVEN[begin : end + 1])
+        own, where = Grid.over(UNEVEN[begin : end + 1]), slice(ends[run] - (end - begin + 1), ends[run])
         alone = integrate(own, own.tabulate(motions[table_of[run]]), parameters[run], starts[run])
-        np.testing.assert_array_equal(runs.position[run, begin : end + 1], alone.position[0])
-        np.testing.assert_array_equal(runs.velocity[run, begin : end + 1], alone.velocity[0])
-        outside = np.delete(runs.position[run], slice(begin, end + 1))
-        assert np.all(np.isnan(outside))
-        assert len(outside) == len(UNEVEN) - (end - begin + 1)
+        np.testing.assert_array_equal(position[where], alone.position[0])
+        np.testing.assert_array_equal(velocity[where], alone.velocity[0])
 
 
 @EVERY_MODEL
@@ -182,10 +181,9 @@ def test_run_can_be_taken_up_at_any_stamp(model: Model) -> None:
     whole = integrate(grid, table, p, [(0.36, 0.05)])
     at = np.array([1, 250, len(UNEVEN) - 2])
     states = np.column_stack((whole.position[0, at], whole.velocity[0, at]))
-    resumed = integrate(grid, table, p, states, first=at)
-    for run, begin in enumerate(at):
-        np.testing.assert_array_equal(resumed.position[run, begin:], whole.position[0, begin:])
-        np.testing.assert_array_equal(resumed.velocity[run, begin:], whole.velocity[0, begin:])
+    resumed = integrate_windows(grid, table, p, states, at, np.full(len(at), len(UNEVEN) - 1))
+    for one, other in zip(resumed, (whole.position[0], whole.velocity[0]), strict=True):
+        np.testing.assert_array_equal(one, np.concatenate([other[begin:] for begin in at]))
 
 
 def test_simulate_returns_the_models_in_order() -> None:
@@ -217,5 +215,6 @@ def test_arrays_that_do_not_fit_are_refused(wrong: dict[str, FloatArray], messag
     """Refuse what compiled code would read past its end, naming the argument."""
     grid = Grid.over(np.linspace(0.0, 1.0, 11))
     fitting = {"tables": grid.tabulate(MOTION), "parameters": coefficients(CAM, RIG), "starts": np.zeros((2, 2))}
+    windows = {"first": np.zeros(2, np.int64), "last": np.full(2, 10)}
     with pytest.raises(ValueError, match=message):
-        integrate(grid, **(fitting | wrong))
+        integrate_windows(grid, **(fitting | windows | wrong))

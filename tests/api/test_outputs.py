@@ -48,7 +48,7 @@ def test_trajectories_have_a_column_a_source(one: Study, tmp_path: Path) -> None
     assert list(rows[0]) == [*COLUMNS, "pybullet_m"]
     assert {row["pybullet_m"] for row in rows} == {""}
     read = np.array([[float(row["time_s"]), float(row["cam_m"])] for row in rows])
-    expected = np.column_stack((one.setting.time, one.run_of("cam", one.setting.horizons[0]).position[0]))
+    expected = np.column_stack((one.setting.time, one.run_of("cam", one.setting.horizons[0]).position))
     np.testing.assert_allclose(read, expected, atol=0.51e-6)
 
 

@@ -41,7 +41,7 @@ def test_parts_add_up(split: Split, bundled: Setting, name: str) -> None:
     parts, own, _ = split(name)
     assert parts is not None
     total = parts.numerical + parts.contact + parts.physics
-    error = own.position[0] - bundled.recording.position
+    error = own.position - bundled.recording.position
     # Sums and differences of a few numbers below 1 m: some units in the last place, 2e-16 each.
     np.testing.assert_allclose(total[parts.use], error[parts.use], atol=5e-15)
     assert sum(parts.shares().values()) == pytest.approx(1.0, abs=1e-12)
@@ -84,7 +84,7 @@ def test_a_changed_contact_shows_as_contact_model(split: Split, name: str, setti
     wrong, own_wrong, _ = split(name, **settings)
     assert right is not None
     assert wrong is not None
-    moved = np.sqrt(np.mean((own_wrong.position[0] - own_right.position[0])[wrong.use] ** 2))
+    moved = np.sqrt(np.mean((own_wrong.position - own_right.position)[wrong.use] ** 2))
     assert moved > 1e-4
     # All but the step's effect on either run, which is micrometres, has to be found again; soft contacts cost more.
     assert wrong.rms()["contact"] == pytest.approx(moved, rel=0.1)
@@ -99,7 +99,7 @@ def test_physics_is_what_cam_lacks(split: Split, bundled: Setting) -> None:
     assert one is not None
     assert other is not None
     np.testing.assert_array_equal(one.physics, other.physics)
-    np.testing.assert_array_equal(one.physics, cam.position[0] - bundled.recording.position)
+    np.testing.assert_array_equal(one.physics, cam.position - bundled.recording.position)
 
 
 def test_a_failed_run_is_not_explained(split: Split) -> None:

@@ -17,8 +17,7 @@ from tests.shared_data import measured_rigs
 
 def headline(setting: Setting) -> str:
     """Its name."""
-    moved = zip(setting.horizons, displacements(setting), strict=True)
-    return headline_of(setting, [uncertainty(setting, horizon, one) for horizon, one in moved]).name
+    return headline_of(setting, [uncertainty(setting, one) for one in displacements(setting)]).name
 
 
 @pytest.mark.parametrize("counts", [FINE, COARSE])

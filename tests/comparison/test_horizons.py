@@ -84,7 +84,7 @@ def test_a_recording_to_predict_runs_to_its_end(shared: Path) -> None:
     # Scored where the ball is known, and there alone.
     assert result.score_of("cam", setting.horizons[0]).samples == int((setting.ball.trusted & known).sum())
     truth = np.genfromtxt(case.recordings["rec_03.csv"].path.with_name("rec_03_true.csv"), delimiter=",", names=True)
-    cam, u_val = result.run_of("cam", setting.horizons[0]).position[0], result.u_val[0][0]
+    cam, u_val = result.run_of("cam", setting.horizons[0]).position, result.u_val[0]
     off = np.interp(setting.time, truth["time_s"], truth[truth.dtype.names[-1]]) - cam
     # Nothing acts here that CAM lacks, so that it predicts as well as start and angle are known: 3 u_val, everywhere.
     assert np.all(np.abs(off) < 3.0 * u_val)

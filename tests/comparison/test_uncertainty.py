@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from analytic.effects import motion_with
-from analytic.kernel import Grid, integrate
 from analytic.models import CAM
 from analytic.motion import FloatArray, State
 from analytic.rig import Rig
 from harness.comparison import Setting
+from harness.comparison.horizons import Horizon
 from harness.comparison.sources import run_models
-from harness.comparison.uncertainty import _between, displacements, uncertainty
+from harness.comparison.uncertainty import displacements, uncertainty
 from harness.simulator import Plant
 from tests.comparison.made import FINE, HIDDEN, Made, sensors, swing, write_case
 
@@ -23,13 +23,9 @@ def ratios(setting: Setting) -> dict[str, FloatArray]:
     """E/u_val of CAM at every trusted stamp, by horizon."""
     found = {}
     for horizon, moved in zip(setting.horizons, displacements(setting), strict=True):
-        u_val, position = uncertainty(setting, horizon, moved), run_models(setting, [CAM], horizon)[0].position
-        found[horizon.name] = np.concatenate(
-            [
-                ((position[i] - setting.recording.position) / u_val[i])[where][setting.ball.trusted[where]]
-                for i, where in enumerate(horizon.slices())
-            ]
-        )
+        stamps, position = horizon.stamps, run_models(setting, [CAM], horizon)[0].position
+        ratio = (position - setting.recording.position[stamps]) / uncertainty(setting, moved)
+        found[horizon.name] = ratio[setting.ball.trusted[stamps]]
     return found
 
 
@@ -87,21 +83,11 @@ def test_draws_repeat(bundled: Setting) -> None:
         np.testing.assert_array_equal(one, other)
 
 
-def test_a_window_is_as_in_one_long_run(bundled: Setting) -> None:
-    """Displace the ball in a window to the bit as runs on the grid of the whole recording do, and nowhere else."""
-    grid, draws = Grid.over(bundled.time), bundled.choices.draws
-    paths = [bundled.drive, *bundled.drive.draw(draws, bundled.choices.seed)]
-    tables = np.array([grid.tabulate(motion_with(path, bundled.time, bundled.acting)) for path in paths])
-    part, rows = _between(grid, 200, 300)
-    starts, last = np.tile((0.1, 0.02), (draws + 1, 1)), np.full(draws + 1, 300)
-    vector = bundled.vector(CAM)
-    whole = integrate(grid, tables, vector, starts, table_of=np.arange(draws + 1), first=last - 100, last=last)
-    alone = integrate(part, tables[:, rows], vector, starts, table_of=np.arange(draws + 1))
-    np.testing.assert_array_equal(alone.position, whole.position[:, 200:301])
-    for horizon, moved in zip(bundled.horizons, displacements(bundled), strict=True):
-        assert moved.shape == (draws, int(np.sum(horizon.last - horizon.first + 1)))
-        u_val = uncertainty(bundled, horizon, moved)
-        inside = np.zeros(u_val.shape, bool)
-        for i, where in enumerate(horizon.slices()):
-            inside[i, where] = True
-        np.testing.assert_array_equal(np.isfinite(u_val), inside)
+def test_a_window_is_displaced_as_if_it_were_alone(bundled: Setting) -> None:
+    """Displace the ball in the first of many windows to the bit as in that window alone, at each of its stamps."""
+    windows = bundled.horizons[1]
+    first = Horizon(windows.seconds, windows.first[:1], windows.last[:1])
+    many, alone = (displacements(replace(bundled, horizons=(one,)))[0] for one in (windows, first))
+    assert many.shape == (bundled.choices.draws, int(np.sum(windows.last - windows.first + 1)))
+    np.testing.assert_array_equal(windows.pieces(many)[0], alone)
+    assert uncertainty(bundled, many).shape == windows.stamps.shape

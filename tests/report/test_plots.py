@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from harness.comparison.horizons import Horizon
 from harness.report.palette import LOOKS, look_of
 from harness.report.plots import binned, joined, left_out, mark_exits, middle, thinning
 
@@ -38,7 +39,8 @@ def test_infinity_leaves_the_frame():
 
 def test_runs_are_joined_with_gaps():
     """Draw no line from the end of one run to the start of the next."""
-    time, values = joined(np.arange(4.0), np.array([[1.0, 2.0, 0, 0], [0, 0, 3.0, 4.0]]), [slice(0, 2), slice(2, 4)])
+    runs = Horizon(1.0, np.array([0, 2]), np.array([1, 3]))
+    time, values = joined(np.arange(4.0), np.array([1.0, 2.0, 3.0, 4.0]), runs)
     np.testing.assert_array_equal(time, [0, 1, np.nan, 2, 3, np.nan])
     np.testing.assert_array_equal(values, [1, 2, np.nan, 3, 4, np.nan])
 
@@ -46,7 +48,8 @@ def test_runs_are_joined_with_gaps():
 def test_lines_pass_over_spikes():
     """Connect the neighbours of a stamp that is not to be drawn."""
     keep = np.array([True, False, True])
-    time, values = joined(np.arange(3.0), np.array([[1.0, np.nan, 2.0]]), [slice(0, 3)], keep)
+    run = Horizon(None, np.array([0]), np.array([2]))
+    time, values = joined(np.arange(3.0), np.array([1.0, np.nan, 2.0]), run, keep)
     np.testing.assert_array_equal(values, [1, 2, np.nan])
     np.testing.assert_array_equal(time, [0, 2, np.nan])
 

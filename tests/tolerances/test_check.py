@@ -50,10 +50,8 @@ def test_a_check_judges_the_number_of_metrics_csv(short_study: Study, name: str,
 def test_differences_from_cam_leave_the_measurement_out(short_study: Study) -> None:
     """Measure how far MuJoCo is from CAM, window by window, at every stamp of both."""
     horizon = short_study.setting.horizons[1]
-    pieces = [
-        short_study.run_of("mujoco", horizon).position[i, where] - short_study.run_of("cam", horizon).position[i, where]
-        for i, where in enumerate(horizon.slices())
-    ]
+    away = short_study.run_of("mujoco", horizon).position - short_study.run_of("cam", horizon).position
+    pieces = horizon.pieces(away)
     largest, rms = (
         only(short_study, Limit("mujoco", horizon.seconds, metric, 1.0, against_cam=True)).value
         for metric in DIFFERENCES.values()

@@ -62,7 +62,8 @@ def _share(value: float) -> str:
 
 @style()
 def _picture(subject: Subject, parts: Sequence[Attribution]) -> Picture:
-    time = subject.study.setting.time
+    setting = subject.study.setting
+    time = setting.time[setting.horizons[0].stamps]
     figure = drawing(3.2)
     grid = figure.subplots(1, len(parts), sharey=True, squeeze=False)[0]
     highest = _MIN_DRAWN
@@ -90,7 +91,13 @@ def _picture(subject: Subject, parts: Sequence[Attribution]) -> Picture:
 
 
 def _panel(one: Attribution, time: FloatArray, highest: float) -> Panel:
-    """The parts of one engine's error as data of the page; `highest` is the largest of all [m]."""
+    """The parts of one engine's error as data of the page.
+
+    Args:
+        one: the parts.
+        time: their stamps, shape (k,) [s].
+        highest: the largest of all [m].
+    """
     traces = []
     for name, (title, colour, _) in _PARTS.items():
         size = np.where(one.use, np.abs(getattr(one, name)), np.nan)

@@ -47,21 +47,20 @@ def anchor(horizon: Horizon) -> str:
 def chart(subject: Subject, horizon: Horizon) -> Chart:
     """The same as data of the page."""
     study = subject.study
-    setting, slices = study.setting, horizon.slices()
+    setting = study.setting
     time = setting.time
-    span = slice(slices[0].start, slices[-1].stop)
+    span = slice(horizon.first[0], horizon.last[-1] + 1)
     position = np.where(setting.ball.trusted, setting.recording.position, np.nan)[span]
     shown = subject.drawn[span]
-    u_val = study.u_val_of(horizon)
-    u_time, u = plots.joined(time, u_val, slices, thin=False)
-    _, centre = plots.joined(time, np.broadcast_to(setting.ball.position, u_val.shape), slices, thin=False)
+    u_time, u = plots.joined(time, study.u_val_of(horizon), horizon, thin=False)
+    _, centre = plots.joined(time, setting.ball.position[horizon.stamps], horizon, thin=False)
     traces = [
         Trace("uncertainty", UNCERTAINTY, u_time, centre + 2.0 * u, low=centre - 2.0 * u),
         Trace(MEASURED, Look(subject.measured, MEASURED_COLOUR, None, 1.7), time[span][shown], position[shown]),
     ]
     for one in _ranked(subject, horizon):
         run = study.run_of(one.source, horizon)
-        traces.append(Trace(one.source, look_of(one.source), *plots.joined(time, run.position, slices, thin=False)))
+        traces.append(Trace(one.source, look_of(one.source), *plots.joined(time, run.position, horizon, thin=False)))
     left_out = setting.recording.left_out
     if len(left_out):
         traces.append(Trace("left_out", LEFT_OUT, left_out[:, 0], left_out[:, 1], dots=True))
@@ -99,7 +98,7 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
     """Positions of all sources on one horizon, framed by the recording's own range."""
     figure = plots.drawing(3.7)
     axes = figure.add_subplot()
-    time, slices = subject.study.setting.time, horizon.slices()
+    time = subject.study.setting.time
     plots.frame(axes, _draw_recording(subject, horizon, axes))
     entries = [
         Line2D([], [], color=MEASURED_COLOUR, linewidth=1.7, label=subject.measured),
@@ -110,7 +109,7 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
     exits = []
     for one in _ranked(subject, horizon):
         look, run = look_of(one.source), subject.study.run_of(one.source, horizon)
-        run_time, values = plots.joined(time, run.position, slices)
+        run_time, values = plots.joined(time, run.position, horizon)
         plots.line(axes, run_time, values, look)
         left = plots.mark_exits(axes, run_time, values, look)
         exits += [] if left is None else [left]
@@ -128,15 +127,14 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
 def _draw_recording(subject: Subject, horizon: Horizon, axes: Axes) -> FloatArray:
     """Draws the recording, its uncertainty band and the starts of runs; returns the positions shown [m]."""
     study = subject.study
-    setting, u_val = study.setting, study.u_val_of(horizon)
+    setting = study.setting
     position = np.where(setting.ball.trusted, setting.recording.position, np.nan)
-    slices = horizon.slices()
-    span = slice(slices[0].start, slices[-1].stop)
+    span = slice(horizon.first[0], horizon.last[-1] + 1)
     shown = subject.drawn[span]
     # Above the band and below the engines' dashed lines.
     axes.plot(setting.time[span][shown], position[span][shown], color=MEASURED_COLOUR, linewidth=1.4, zorder=4)
-    time, u = plots.joined(setting.time, u_val, slices)
-    _, centre = plots.joined(setting.time, np.broadcast_to(setting.ball.position, u_val.shape), slices)
+    time, u = plots.joined(setting.time, study.u_val_of(horizon), horizon)
+    _, centre = plots.joined(setting.time, setting.ball.position[horizon.stamps], horizon)
     plots.band(axes, time, centre - 2.0 * u, centre + 2.0 * u)
     if horizon.seconds is not None:
         first = horizon.first

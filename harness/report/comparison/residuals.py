@@ -34,22 +34,22 @@ def section(subject: Subject) -> Section:
 @plots.style()
 def _over_time(subject: Subject) -> plots.Picture:
     study, horizon = subject.study, subject.study.headline
-    setting, slices = study.setting, horizon.slices()
+    setting = study.setting
     figure = plots.drawing(3.6)
     axes = figure.add_subplot()
-    time, u = plots.joined(setting.time, 1e3 * study.u_val_of(horizon), slices)
+    time, u = plots.joined(setting.time, 1e3 * study.u_val_of(horizon), horizon)
     plots.band(axes, time, -2.0 * u, 2.0 * u)
     errors = {one.source: 1e3 * subject.error(one.source, horizon) for one in subject.ranked}
     # Limits the axis to the ball's travel: larger errors carry no further information.
     travel = 1e3 * float(np.ptp(setting.ball.position))
-    seen = np.concatenate([part.ravel() for part in (*errors.values(), 2.0 * u, -2.0 * u)])
+    seen = np.concatenate([*errors.values(), 2.0 * u, -2.0 * u])
     plots.frame(axes, np.clip(seen[np.isfinite(seen)], -travel, travel), margin=0.05)
     for source, error in errors.items():
-        times, values = plots.joined(setting.time, error, slices, subject.drawn)
+        times, values = plots.joined(setting.time, error, horizon, subject.drawn)
         plots.line(axes, times, values, look_of(source))
         plots.mark_exits(axes, times, values, look_of(source))
     plots.zero(axes)
-    plots.over_time(axes, setting.time[slices[0].start], setting.time[slices[-1].stop - 1])
+    plots.over_time(axes, setting.time[horizon.first[0]], setting.time[horizon.last[-1]])
     axes.set_ylabel(f"model − {subject.measured} [mm]")
     figure.legend(handles=[plots.sample(look_of(one)) for one in errors], loc="outside right upper", handlelength=2.6)
     return plots.picture(
@@ -62,13 +62,13 @@ def _over_time(subject: Subject) -> plots.Picture:
 
 
 def _errors_chart(subject: Subject, errors: Mapping[str, FloatArray], frame: tuple[float, float]) -> Chart:
-    """The same as data of the page; `errors` by source, shape (runs, n) each [mm]."""
+    """The same as data of the page; `errors` by source, shape (k,) each [mm]."""
     study, horizon = subject.study, subject.study.headline
-    time, slices = study.setting.time, horizon.slices()
-    u_time, u = plots.joined(time, 2e3 * study.u_val_of(horizon), slices, thin=False)
+    time = study.setting.time
+    u_time, u = plots.joined(time, 2e3 * study.u_val_of(horizon), horizon, thin=False)
     traces = [Trace("uncertainty", UNCERTAINTY, u_time, u, low=-u)]
     for source, error in errors.items():
-        traces.append(Trace(source, look_of(source), *plots.joined(time, error, slices, subject.drawn, thin=False)))
+        traces.append(Trace(source, look_of(source), *plots.joined(time, error, horizon, subject.drawn, thin=False)))
     panel = Panel(f"model − {subject.measured}", "mm", traces, frame=frame, zero=True)
     return Chart("errors-over-time", [panel], clock=CLOCK, marks=marks(subject, horizon))
 
@@ -84,10 +84,11 @@ def _against(subject: Subject) -> plots.Picture:
     rows = []
     for row, source in zip(grid, shown, strict=True):
         error = 1e3 * subject.error(source, horizon)
-        runs, at = np.nonzero(np.isfinite(error))
-        _clouds(row, subject, error[runs, at], at, look_of(source))
+        seen = np.isfinite(error)
+        error, at = error[seen], horizon.stamps[seen]
+        _clouds(row, subject, error, at, look_of(source))
         row[0].set_ylabel(f"{label_of(source)}\nerror [mm]")
-        rows.append(_row(subject, "error", "mm", Cloud(source, look_of(source), error[runs, at]), at, label_of(source)))
+        rows.append(_row(subject, "error", "mm", Cloud(source, look_of(source), error), at, label_of(source)))
     for axes in grid[0]:
         axes.tick_params(labelbottom=True)
     return plots.picture(

@@ -81,7 +81,7 @@ class Subject:
         return horizon_text(horizon.seconds, self.duration)
 
     def error(self, source: str, horizon: Horizon) -> FloatArray:
-        """e_s of each run, shape (runs, n), NaN outside a run and at invalid stamps [m]."""
-        setting = self.study.setting
-        error = self.study.run_of(source, horizon).position - setting.recording.position
-        return np.where(setting.ball.trusted, error, np.nan)
+        """e_s at the stamps of a horizon, shape (k,), NaN at invalid ones [m]."""
+        setting, stamps = self.study.setting, horizon.stamps
+        error = self.study.run_of(source, horizon).position - setting.recording.position[stamps]
+        return np.where(setting.ball.trusted[stamps], error, np.nan)
