@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
+from types import FrameType
 
 import pytest
 
@@ -76,3 +78,45 @@ def test_nothing_is_left_behind() -> None:
         endless()
     assert signal.getsignal(signal.SIGALRM) == before
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def slow_to_leave(frame: FrameType, event: str, _: object) -> None:
+    """As on a busy machine: it takes longer to leave a context than from one exception to the next."""
+    if event == "c_call" and frame.f_code.co_name == "__exit__":
+        time.sleep(0.3)
+
+
+def test_nothing_goes_on_where_leaving_takes_long() -> None:
+    """Leave no timer where the exception needs time to get out of the context."""
+    sys.setprofile(slow_to_leave)
+    try:
+        with pytest.raises(TimeLimit) as raised, time_limit(SHORT):
+            endless()
+    finally:
+        sys.setprofile(None)
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    assert raised.value.seconds == SHORT  # who keeps the exception keeps the frames that it went through
+
+
+def test_no_thread_goes_on_where_leaving_takes_long() -> None:
+    """Raise once in another thread, too, and never again after its context."""
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        sys.setprofile(slow_to_leave)
+        try:
+            with time_limit(SHORT):
+                endless()
+        except TimeLimit as error:
+            raised.append(error)
+        try:
+            end = time.monotonic() + 0.5
+            while time.monotonic() < end:
+                sum(range(100))
+        except TimeLimit as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(60.0)
+    assert len(raised) == 1
