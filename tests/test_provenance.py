@@ -36,6 +36,19 @@ def test_any_changed_or_new_module_changes_the_digest(tmp_path: Path, name: str)
     assert code_digest(tmp_path) != before
 
 
+def test_a_kept_digest_is_that_of_the_code(tmp_path: Path) -> None:
+    """Read from `__pycache__` what was kept there of the same sources, and nothing that is spoilt or of others."""
+    module = package(tmp_path)
+    kept = module.parent / "__pycache__" / "code_digest.txt"
+    fresh = code_digest(tmp_path)
+    whole = kept.read_text(encoding="ascii")
+    kept.write_text(whole.replace(fresh, "0" * len(fresh)), encoding="ascii")
+    assert code_digest(tmp_path) == "0" * len(fresh)
+    for spoilt in ("", whole[:-1], whole[1:]):
+        kept.write_text(spoilt, encoding="ascii")
+        assert code_digest(tmp_path) == fresh
+
+
 def test_every_package_of_the_product_is_in_the_digest() -> None:
     """Take in each top-level package, and say the same digest twice."""
     assert all((ROOT / package / "__init__.py").exists() for package in PACKAGES)

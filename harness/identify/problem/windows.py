@@ -71,6 +71,11 @@ class Window:
     def _equidistant(self) -> bool:
         return len(self.grid) == len(self.time) and bool(np.all(np.abs(self.grid - self.time) < _ROUNDING))
 
+    @property
+    def stamps(self) -> FloatArray:
+        """Times at which signals on the grid are read off, shape (m,) [s]: those of the grid where it is the stamps."""
+        return self.grid if self._equidistant else self.time
+
     @cached_property
     def angle(self) -> FloatArray:
         """α on the grid, shape (k,) [rad]."""
@@ -80,7 +85,7 @@ class Window:
         """Signals on the grid, shape (k,) each, interpolated at the stamps: shape (m, number of signals)."""
         if self._equidistant:
             return np.column_stack(columns)
-        return np.column_stack([np.interp(self.time, self.grid, column) for column in columns])
+        return np.column_stack([np.interp(self.stamps, self.grid, column) for column in columns])
 
     def rms_error(self, predicted: FloatArray) -> float:
         """RMS error of predicted positions, shape (m,), over the predicted part [m]."""

@@ -34,6 +34,7 @@ _SLOWEST, _FASTEST = -5.0, 4.0  # [1/s], [1 per step]
 _STARTS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped oscillator
 _FURTHER_STARTS = (0.5, 10.0)  # decay of a third pole [1/s]: slower than the beam's motion, and faster
 _DIFFERENCE = 1e-4  # relative step of finite differences in F
+_CONVERGED = 1e-6  # relative decrease of the sum of squares: half as much of the RMS error
 _MEMORIES = (0.1, 0.2, 0.4, 0.7, 1.0, KNOWN)  # spans that the start of a baseline may be taken over [s]
 
 
@@ -220,7 +221,13 @@ def _best_poles(
         return _gains(OutputError(tuple(map(float, poles))), windows)[1]
 
     fits = [
-        least_squares(residuals, np.clip(start, low, high), bounds=(low, high), diff_step=[_DIFFERENCE] * len(start))
+        least_squares(
+            residuals,
+            np.clip(start, low, high),
+            bounds=(low, high),
+            diff_step=[_DIFFERENCE] * len(start),
+            ftol=_CONVERGED,
+        )
         for start in starts
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
@@ -235,14 +242,16 @@ def _with_memory(law: Law, windows: Sequence[Window]) -> Baseline:
 
 def _gains(law: Law, windows: Sequence[Window]) -> tuple[FloatArray, FloatArray]:
     """Gains by least squares, with an initial state per window, and the residuals, shape (readings,) [m]."""
-    driven, reading = [], []
+    projected = []
+    bases: dict[tuple[float, bytes, bytes], FloatArray] = {}  # windows with the same stamps have the same free response
     for window in windows:
         use = np.isfinite(window.reading)
+        stamps = window.step, window.stamps.tobytes(), use.tobytes()
+        if stamps not in bases:
+            bases[stamps] = np.linalg.qr(law.free(window)[use])[0]
         columns = np.column_stack((law.driven(window), window.reading))[use]
-        basis, _ = np.linalg.qr(law.free(window)[use])
-        projected = columns - basis @ (basis.T @ columns)  # eliminates the initial state
-        driven.append(projected[:, :-1])
-        reading.append(projected[:, -1])
-    A, y = np.concatenate(driven), np.concatenate(reading)
+        projected.append(columns - bases[stamps] @ (bases[stamps].T @ columns))  # eliminates the initial state
+    readings = np.concatenate(projected)
+    A, y = readings[:, :-1], readings[:, -1]
     gains = np.asarray(np.linalg.lstsq(A, y, rcond=None)[0], dtype=np.float64)
     return gains, y - A @ gains
