@@ -13,8 +13,9 @@ from analytic.models import Reading
 from analytic.motion import FloatArray
 
 # What a spline term depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the
-# ball or a dry friction. A friction that depends on time stands in a fourth column of the beam's table.
-OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, PERIODIC, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
+# ball, an error of the position sensor, which moves no ball, or a dry friction. A friction that depends on time stands in
+# a fourth column of the beam's table.
+OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, PERIODIC, OF_SENSOR, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
     1.0,
     2.0,
     3.0,
@@ -23,7 +24,9 @@ OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, PERIODIC, DRY_OF_POSITION, DRY_OF_R
     6.0,
     7.0,
     8.0,
+    9.0,
 )
+_SLOPE_OVER = 1e-4  # over which a slope is a difference, in distances of nodes: 1e-8 of the values is lost
 _NONE, _PRINTED, _DISSIPATIVE, _COULOMB = (int(Reading(i)) for i in range(4))
 
 
@@ -109,6 +112,19 @@ def spline_term(at: float, p: FloatArray) -> float:
         after = p[slots.SHAPE_NODES + node + 2] if node < count - 2 else 2.0 * there - here
     low, high, rise = 0.5 * (there - before), 0.5 * (after - here), there - here
     return here + t * (low + t * (3.0 * rise - 2.0 * low - high + t * (low + high - 2.0 * rise)))
+
+
+@njit(cache=True)
+def spline_slope(at: float, p: FloatArray) -> float:
+    """Derivative of `spline_term`; half of that on one side where it ends."""
+    off = _SLOPE_OVER * p[slots.SHAPE_STEP]
+    return (spline_term(at + off, p) - spline_term(at - off, p)) / (2.0 * off)
+
+
+@njit(cache=True)
+def spline_slope_at(where: FloatArray, p: FloatArray) -> FloatArray:
+    """`spline_slope` at each of `where`, shape (n,); the same shape."""
+    return np.array([spline_slope(at, p) for at in where])
 
 
 @njit(cache=True)

@@ -31,7 +31,7 @@ from analytic.effects.resistance import (
     VISCOUS_DAMPING,
 )
 from analytic.effects.sensor import CHANNEL_DELAY, POSITION_GAIN, POSITION_LAG, POSITION_NONLINEARITY
-from analytic.effects.sensor_law import SensorLaw
+from analytic.effects.sensor_law import PositionError, SensorLaw
 from analytic.effects.track import (
     BEAM_COMPLIANCE,
     LEVEL_DRIFT,
@@ -75,6 +75,7 @@ __all__ = [
     "Force",
     "Parameter",
     "Relations",
+    "PositionError",
     "SensorLaw",
     "Transmission",
     "acting",

@@ -31,7 +31,8 @@ Turn = Callable[[BeamMotion, FloatArray, Values], BeamMotion]
 UnknownQuantity = Literal["ratio", "level"]
 """What a rig file may leave open: K = 1/(1 + J/(m r²)), and the level angle α₀."""
 SplineKind = tuple[str, bool]
-"""A kind of spline term: the quantity it depends on, as in diagnosis.json, and whether it is a dry friction."""
+"""A kind of spline term: the quantity it depends on, as in diagnosis.json, or "reading" for an error of the position
+sensor, which depends on the position too; and whether it is a dry friction."""
 
 
 def adding(terms: Terms) -> Write:

@@ -10,6 +10,8 @@ from analytic.effects.sensor_law import SensorLaw
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 
+_OF_READING = (("reading", False),)  # an error of the sensor
+
 CHANNEL_DELAY = Effect(
     "channel_delay",
     "the position at t is recorded at t + delay (negative: the angle is late)",
@@ -31,7 +33,7 @@ POSITION_GAIN = Effect(
     "a scale error of the position sensor",
     sensor=lambda values: SensorLaw(gain=values["gain"]),
     phrase="a gain of {gain} between real and recorded position",
-    relations=Relations(once=True, hidden_by=("ratio",)),
+    relations=Relations(once=True, hidden_by=("ratio",), nested_in=_OF_READING),
 )
 POSITION_LAG = Effect(
     "position_lag",
@@ -70,7 +72,7 @@ POSITION_NONLINEARITY = Effect(
     "a curve of the position sensor, to third order",
     sensor=lambda values: SensorLaw(square=values["square"], cube=values["cube"]),
     phrase="a curve of the position sensor of {square} s² and {cube} s³",
-    relations=Relations(once=True),
+    relations=Relations(once=True, nested_in=_OF_READING),
 )
 
 SENSOR = (CHANNEL_DELAY, POSITION_GAIN, POSITION_NONLINEARITY, POSITION_LAG)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -10,20 +12,34 @@ from scipy.interpolate import CubicSpline
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
-_LEAST_SLOPE = 0.1  # of a sensor's curve, over its gain [1]
-_ITERATIONS = 8  # of Newton's method: each doubles the digits
+LEAST_SLOPE = 0.1  # of a sensor's curve, over its gain [1]
+ITERATIONS = 8  # of Newton's method: each doubles the digits
+_BEND_OVER = 1e-4  # over which the slope's derivative is a difference [m]: errors bend over centimetres
 _SETTLED = 1e-9  # least time constant of the recursion [s]
+
+
+class PositionError(Protocol):
+    """What a sensor adds to the position, by where the ball lies."""
+
+    def at(self, where: FloatArray, /) -> FloatArray:
+        """Error at positions, shape (n,) [m]; the same shape [m]."""
+        ...
+
+    def slope_at(self, where: FloatArray, /) -> FloatArray:
+        """Its derivative at positions, shape (n,) [m]; the same shape [1]."""
+        ...
 
 
 @dataclass(frozen=True)
 class SensorLaw:
-    """Recorded is `gain` (y + `square` y² + `cube` y³), y the position behind a lag T ẏ + y = s, `delay` later.
+    """Recorded is `gain` (y + `square` y² + `cube` y³) + `error` (y), y the position behind a lag T ẏ + y = s, `delay` later.
 
     Attributes:
         gain: recorded position per position [1].
         lag: T [s].
         delay: the position at t is recorded at t + delay [s]; negative where the angle is late.
         square, cube: of the sensor's curve [1/m, 1/m²].
+        error: a further one, as a function of y; `None` for none.
     """
 
     gain: float = 1.0
@@ -31,6 +47,7 @@ class SensorLaw:
     delay: float = 0.0
     square: float = 0.0
     cube: float = 0.0
+    error: PositionError | None = None
 
     def behind(self, other: SensorLaw) -> SensorLaw:
         """Both, one behind the other; of two lags or curves the sum, which is right to first order in them."""
@@ -40,6 +57,7 @@ class SensorLaw:
             self.delay + other.delay,
             self.square + other.square,
             self.cube + other.cube,
+            self.error or other.error,
         )
 
     def recorded(self, time: FloatArray, position: FloatArray, behind: float = 0.0) -> FloatArray:
@@ -56,27 +74,48 @@ class SensorLaw:
 
     def curve(self, position: FloatArray) -> FloatArray:
         """What is recorded of a ball that lies at `position`, any shape; the same shape [m]."""
-        return self.gain * (position + position * position * (self.square + self.cube * position))
+        recorded = self.gain * (position + position * position * (self.square + self.cube * position))
+        return recorded if self.error is None else recorded + _at(self.error.at, position)
 
     def slope(self, position: FloatArray) -> FloatArray:
         """Derivative of `curve`, never below a tenth of the gain, which a sensor's curve does not reach; same shape."""
         with np.errstate(over="ignore"):  # of a run that a fit tries and rejects; infinite is as steep as any
             slope = 1.0 + position * (2.0 * self.square + 3.0 * self.cube * position)
-        return self.gain * np.maximum(slope, _LEAST_SLOPE)
+        slope = self.gain * np.maximum(slope, LEAST_SLOPE)
+        if self.error is None:
+            return slope
+        return np.maximum(slope + _at(self.error.slope_at, position), self.gain * LEAST_SLOPE)
+
+    def bend(self, position: FloatArray) -> FloatArray:
+        """Second derivative of `curve`, any shape; the same shape [1/m]."""
+        if self.error is None:
+            return self.gain * (2.0 * self.square + 6.0 * self.cube * position)
+        return (self.slope(position + _BEND_OVER) - self.slope(position - _BEND_OVER)) / (2.0 * _BEND_OVER)
 
     def position(self, recorded: FloatArray) -> FloatArray:
         """Where a ball lies of which `recorded` is recorded, any shape; the same shape [m]."""
         recorded = np.asarray(recorded, np.float64)
+        if self.error is not None:
+            found = replace(self, error=None).position(recorded)
+            for _ in range(ITERATIONS):
+                found = found - (self.curve(found) - recorded) / self.slope(found)
+            return found
         if not self.square and not self.cube:
             return recorded / self.gain
         found = [lies(float(one), self.gain, self.square, self.cube) for one in recorded.ravel()]
         return np.reshape(found, recorded.shape)
 
 
+def _at(function: Callable[[FloatArray], FloatArray], position: FloatArray) -> FloatArray:
+    """A function of positions, shape (n,), at positions of any shape; the same shape."""
+    position = np.asarray(position, np.float64)
+    return function(position.ravel()).reshape(position.shape)
+
+
 @njit(cache=True, inline="always")
 def measured(s: float, gain: float, square: float, cube: float) -> tuple[float, float]:
     """What a sensor with this curve measures of a ball at s [m], and the slope of that [1]; see `SensorLaw`."""
-    slope = max(1.0 + s * (2.0 * square + 3.0 * cube * s), _LEAST_SLOPE)
+    slope = max(1.0 + s * (2.0 * square + 3.0 * cube * s), LEAST_SLOPE)
     return gain * (s + s * s * (square + cube * s)), gain * slope
 
 
@@ -85,7 +124,7 @@ def lies(recorded: float, gain: float, square: float, cube: float) -> float:
     """Where a ball lies of which such a sensor measures `recorded` [m], by Newton's method."""
     s = recorded / gain
     if square != 0.0 or cube != 0.0:
-        for _ in range(_ITERATIONS):
+        for _ in range(ITERATIONS):
             value, slope = measured(s, gain, square, cube)
             s -= (value - recorded) / slope
     return s

@@ -3,6 +3,7 @@
 - An effect of the catalogue that says what the imperfection does is a right name, not a false positive: a position
   that is late, by whatever, is a delay or lag of positive size; a wandering zero is a level that drifts, or, by its
   mean, a level error, or a force that depends on time.
+- So is a spline term of the position sensor where its track is worn.
 - Everything else that is named is a false positive, whatever it may imitate: no force comes from a worn track, a
   spike, an error of a stamp or coloured noise.
 - `not_identifiable` is no answer: neither right nor false, and counted apart.
@@ -21,8 +22,8 @@ SEVERAL = "several"
 """Of the kinds of `harness.simulator.KINDS`, each with probability 1/2."""
 IMPERFECTIONS = (*KINDS, SEVERAL)
 """What a trial may have."""
-DRIFTS = "time"
-"""Regressor of a spline term that is a wandering zero."""
+READING = "reading"
+"""What a spline term of the position sensor depends on: an error by the recorded position."""
 
 _LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, "angle_lag"})
 _ZERO = frozenset({LEVEL_ERROR.name, "level_drift"})
@@ -34,6 +35,7 @@ NAMED_BY: Mapping[str, frozenset[str]] = {
     "zero_drift": _ZERO,
 }
 """Effects that say what the imperfection does, whether or not the catalogue has them; by its kind."""
+_SPLINES = {"zero_drift": "time", "worn_track": READING}  # what a spline term depends on that says it
 
 
 def names_for(imperfection: str) -> set[str]:
@@ -55,9 +57,9 @@ def says_imperfection(imperfection: str, seed: int, name: str, values: Mapping[s
     return right and (name not in _LATE or min(values.values()) > 0.0)
 
 
-def says_drift(imperfection: str, seed: int, depends_on: str | None) -> bool:
-    """Whether a spline term of this regressor is what is wrong with the record."""
-    return depends_on == DRIFTS and "zero_drift" in kinds(imperfection, seed)
+def spline_says(imperfection: str, seed: int, depends_on: str | None) -> bool:
+    """Whether a spline term of this regressor, or of the position sensor, is what is wrong with the record."""
+    return depends_on in {_SPLINES[kind] for kind in kinds(imperfection, seed) if kind in _SPLINES}
 
 
 def kinds(imperfection: str, seed: int) -> tuple[str, ...]:

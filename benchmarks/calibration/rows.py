@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from benchmarks.calibration.imperfect import says_drift, says_imperfection
+from benchmarks.calibration.imperfect import spline_says, says_imperfection
 from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES
@@ -72,7 +72,7 @@ class Row:
         source: digest of the sources that made the row.
         verdict: as in diagnosis.json; empty where it failed.
         named: the effects found.
-        depends_on: regressor of the spline term.
+        depends_on: regressor of the spline term; "reading" of one of the position sensor.
         seconds: that the diagnosis took.
         error: text of what went wrong.
     """
@@ -99,7 +99,7 @@ class Row:
             if self.depends_on != first:
                 return Outcome.OTHER
             return Outcome.RIGHT if names == truth else Outcome.MORE
-        if self.depends_on is not None and not says_drift(self.trial.imperfection, self.trial.seed, self.depends_on):
+        if self.depends_on is not None and not spline_says(self.trial.imperfection, self.trial.seed, self.depends_on):
             return Outcome.UNLISTED
         if names == truth:
             return Outcome.RIGHT
@@ -112,8 +112,8 @@ class Row:
     @property
     def says_imperfection(self) -> bool:
         """Whether an imperfection of the record is named as an effect or a spline term."""
-        drift = says_drift(self.trial.imperfection, self.trial.seed, self.depends_on)
-        return drift or any(one.name not in self.trial.hidden and self._says_imperfection(one) for one in self.named)
+        spline = spline_says(self.trial.imperfection, self.trial.seed, self.depends_on)
+        return spline or any(one.name not in self.trial.hidden and self._says_imperfection(one) for one in self.named)
 
     @property
     def false_names(self) -> tuple[str, ...]:
@@ -122,7 +122,7 @@ class Row:
         if self.outcome is Outcome.PARTNER:
             return ()
         names = [one.name for one in self.named if one.name not in trial.hidden and not self._says_imperfection(one)]
-        if self.depends_on is not None and not says_drift(trial.imperfection, trial.seed, self.depends_on):
+        if self.depends_on is not None and not spline_says(trial.imperfection, trial.seed, self.depends_on):
             names.append(f"spline of {self.depends_on}")
         return tuple(names)
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from benchmarks.calibration.imperfect import READING
 from benchmarks.calibration.pose import pose
 from benchmarks.calibration.rows import Named, Row
 from benchmarks.calibration.store import Store
@@ -49,7 +50,7 @@ def _row(trial: Trial, source: str, said: Identification, seconds: float) -> Row
             )
             for one in said.effects
         ),
-        depends_on=None if spline is None else str(spline.depends),
+        depends_on=None if spline is None else READING if spline.sensor else str(spline.depends),
         seconds=round(seconds, 1),
     )
 

@@ -102,6 +102,7 @@ def _shape(spline: SplineTerm) -> ShapeRecord:
         values=tuple(spline.nodes.tolist()),
         unit=spline.unit,
         friction=spline.friction,
+        sensor=spline.sensor,
         low=spline.low,
         step=spline.step,
         periodic=spline.periodic,

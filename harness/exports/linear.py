@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import pade as pade_of
 from scipy.signal import tf2ss
 
-from analytic.effects import Acting, parameters_with, sensor_with
+from analytic.effects import Acting, parameters_with
 from analytic.law import acceleration
 from analytic.models import CAM
 from analytic.motion import FloatArray
@@ -151,7 +151,7 @@ def _linear(model: ExportModel, effects: Sequence[Acting], point: Point) -> Line
     p = parameters_with(CAM, model.declared_rig, smooth)
     if model.spline is not None and not model.spline.friction:
         model.spline.write(p)
-    sensor = sensor_with(effects)
+    sensor = model.sensor_of(effects)
     gain, lags, left = (
         1.0,
         [],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -97,7 +97,12 @@ class ExportModel:
     @cached_property
     def sensor(self) -> SensorLaw:
         """The position sensor."""
-        return sensor_with(self.acting)
+        return self.sensor_of(self.acting)
+
+    def sensor_of(self, effects: Sequence[Acting]) -> SensorLaw:
+        """The position sensor, with these values of the effects."""
+        law = sensor_with(effects)
+        return law if self.spline is None or not self.spline.sensor else replace(law, error=self.spline)
 
     @property
     def turning(self) -> bool:

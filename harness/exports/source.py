@@ -88,7 +88,7 @@ def context_of(model: ExportModel, what: str) -> Mapping[str, Any]:
         if code.inner is not None:
             inner[code.inner] = tuple(names.values())
     spline = model.spline
-    if spline is not None and not spline.friction and spline.depends is not Regressor.TIME:
+    if spline is not None and not (spline.friction or spline.sensor or spline.depends is Regressor.TIME):
         force.append(f"spline({_ARGUMENT[spline.depends]})")
     # A tilt of the whole rig comes after all that turns the beam, in which order ever they act.
     stages.sort(key=lambda one: one.kind == "drift")

@@ -125,6 +125,8 @@ def _spline_term(diagnosis: Diagnosis) -> str:
     if spline.friction:
         large = ", which is implausibly large for a ball that rolls" if most >= STEEP else ""
         return f"a dry friction that depends on {depends} (by up to {number(most, 2)} of the normal force{large})"
+    if spline.sensor:
+        return f"an error of the position sensor that depends on {depends} (up to {number(1e3 * most, 2)} mm)"
     again = f" and repeats itself every {number(1e3 * spline.period, 3)} mm" if spline.periodic else ""
     return f"a force that depends on {depends}{again} (up to {number(1e3 * diagnosis.problem.rig.mass * most, 2)} mN)"
 

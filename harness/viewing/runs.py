@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from analytic.effects import Acting, SensorLaw, rig_with, sensor_with
+from analytic.effects import Acting, PositionError, SensorLaw, rig_with, sensor_with
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from harness.comparison.setting import Setting
@@ -57,7 +57,8 @@ class ShownRun:
 
 @dataclass(frozen=True)
 class _Acting:
-    """What acts in a run: effects, the rig before them, the drive, how the ball lies at the start [rad], a further law.
+    """What acts in a run: effects, the rig before them, the drive, how the ball lies at the start [rad], a further law
+    of the ball, or an error of the position sensor.
 
     `state` gives s [m], ṡ [m/s] of the ball that is recorded at a stamp, by its number, and what a lagging sensor has
     of it [m]; without it they are those of the smoothed readings.
@@ -69,6 +70,7 @@ class _Acting:
     drive: Drive
     phase: float = 0.0
     law: Law | None = None
+    error: PositionError | None = None
     state: Callable[[int], tuple[float, float, float]] | None = None
 
 
@@ -121,7 +123,8 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
         return position, velocity, lagging
 
     first = _after_run_in(setting)
-    acting = _Acting(effects, problem.rig, observed.ball, prepared.drive, own.phase, law, state)
+    error = found.terms.sensor_in(problem).error
+    acting = _Acting(effects, problem.rig, observed.ball, prepared.drive, own.phase, law, error, state)
     return _run(told, setting, engine, given, acting, first)
 
 
@@ -135,7 +138,7 @@ def _run(
     name: str, setting: Setting, engine: Engine, given: Mapping[str, Any], acting: _Acting, first: int
 ) -> ShownRun:
     effects, ball = acting.effects, acting.ball
-    rig, sensor = rig_with(acting.rig, effects), sensor_with(effects)
+    rig, sensor = rig_with(acting.rig, effects), replace(sensor_with(effects), error=acting.error)
     motion = motion_for_engine(effects, acting.drive, setting.time)
     recorded_at, at = _stamps(setting.time, sensor, first)
     stamp = int(np.searchsorted(setting.time, recorded_at[0]))

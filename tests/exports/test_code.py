@@ -74,7 +74,7 @@ def test_derivative_and_run_equal_our_own(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("term", SPLINES, ids=lambda one: one.name)
 def test_spline_terms_equal_our_own(term: SplineTerm, tmp_path: Path) -> None:
-    """Run each kind of spline term, in force and in friction, over four seconds."""
+    """Run each kind of spline term, in force, in friction and in the sensor, over four seconds."""
     from analytic.effects import motion_with
     from analytic.kernel import Grid
     from harness.exports.model import LONGEST_STEP
@@ -90,6 +90,7 @@ def test_spline_terms_equal_our_own(term: SplineTerm, tmp_path: Path) -> None:
     table = term.load(grid.tabulate(motion_with(beam, beam.time, effects)), grid.edges, RIG.gravity)
     whole = np.array([0]), np.array([len(beam.time)])
     expected = free_runs(*whole, BeamTable(grid.steps, grid.marks, table), p, 0.0, np.array([[S0, 0.0]]))
+    expected = model.sensor.curve(expected)
     time, states = beam.time.tolist(), [tuple(one) for one in beam.states.tolist()]
     np.testing.assert_allclose(in_python(model, tmp_path).run(time, states, S0, 0.0, PHASE), expected, atol=ROUNDED)
     np.testing.assert_allclose(InC(model, tmp_path).run(beam, S0, PHASE), expected, atol=ROUNDED + PRINTED)

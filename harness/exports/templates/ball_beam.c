@@ -398,7 +398,7 @@ int bb_step(bb_state *x, double time, bb_beam beam) {
 
 double bb_recorded(const bb_state *x) {
   double y = x->sensed;
-  return SENSOR_GAIN * (y + y * y * (SENSOR_SQUARE + SENSOR_CUBE * y));
+  return SENSOR_GAIN * (y + y * y * (SENSOR_SQUARE + SENSOR_CUBE * y)){{ " + spline(y)" if spline is not none and spline.sensor }};
 }
 
 void bb_derive(const double *time, const double *angle, size_t n, double half, bb_beam *out) {

@@ -164,9 +164,7 @@ def _only_in(fit: Fit, other: Fit) -> list[str]:
     """Names of the terms of `fit` that `other` lacks."""
     names = [name for name in fit.hypothesis.names if name not in other.hypothesis.names]
     spline, theirs = fit.hypothesis.spline, other.hypothesis.spline
-    if spline is not None and (
-        theirs is None or (spline.depends, spline.friction) != (theirs.depends, theirs.friction)
-    ):
+    if spline is not None and (theirs is None or spline.kind != theirs.kind):
         names.append(spline.name)
     return names
 

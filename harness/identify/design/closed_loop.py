@@ -170,7 +170,7 @@ def _predict(
     ball: FloatArray,
 ) -> SimulatedRun:
     reading = np.full(len(states), np.nan)
-    reading[0] = problem.sensor(values.effects).curve(ball[0])
+    reading[0] = values.sensor_in(problem).curve(ball[0])
     recording = PreparedRecording(profile.name, envelope.time, reading, drive_through(envelope.time, states))
     expected = run_filter(problem, recording, repeated(values), process_noise, own=values.own_of(profile.name))
     return SimulatedRun(recording, expected.recorded, expected.state[:, 0], size)

@@ -178,7 +178,7 @@ def _fit_from(
     for number in range(rounds):
         before = deviance
         if len(theta):
-            residuals = Residuals(problem, hypothesis, process_noise)
+            residuals = Residuals(problem, hypothesis, _density(problem, hypothesis, process_noise))
             theta, slopes = _least_squares(residuals, smoothness, theta, low, high, first=number == 0)
         reach, middle = (width if number == 0 else _NARROW), math.log(process_noise)
         optimum = minimize_scalar(
@@ -194,6 +194,16 @@ def _fit_from(
     covariance = information_inverse(problem, hypothesis, slopes)
     quiet = quiet_deviance(problem, best)
     return Fit(hypothesis, theta, best, process_noise, deviance, covariance, problem.readings, quiet_deviance=quiet)
+
+
+def _density(problem: Problem, hypothesis: Hypothesis, process_noise: float) -> float:
+    """Process noise at which parameters are fitted [m²/s³]: an error of the sensor as if it explained all.
+
+    The steeper the sensor, the more variance do its readings get from process noise, and least squares at a fixed
+    density do not count what that costs.
+    """
+    of_sensor = hypothesis.spline is not None and hypothesis.spline.sensor
+    return min(process_noise, problem.angle_floor**2) if of_sensor else process_noise
 
 
 def _least_squares(

@@ -83,7 +83,7 @@ class FreeRuns:
     def _runs(
         self, terms: Terms, starts: FloatArray, groups: Sequence[_Group], *, slopes: bool
     ) -> tuple[FloatArray, FloatArray]:
-        sensor = self.problem.sensor(terms.effects)
+        sensor = terms.sensor_in(self.problem)
         runs, derivatives, at = [], [], 0
         position = sensor.position(starts[:, 0])
         begins = np.column_stack((position, starts[:, 1] / sensor.slope(position)))

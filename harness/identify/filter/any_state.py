@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
-from analytic.effects.sensor_law import lies, measured
 from analytic.motion import FloatArray
 from analytic.slots import DAHL, TRACTION
 from analytic.step import advance
@@ -23,6 +22,8 @@ from harness.identify.filter.arguments import (
     Sensor,
     angle_nudge,
     lagging,
+    position_of,
+    reading_of,
     shifted,
     velocity_nudge,
     weighted,
@@ -135,7 +136,7 @@ def any_state(
             _triangular(M, L)
         if not math.isnan(position[k]):
             if begun:
-                expected, slope = measured(x[sensed], sensor.gain, sensor.square, sensor.cube)
+                expected, slope = reading_of(x[sensed], sensor, p)
                 e, S = position[k] - expected - x[_COLOUR], reading_variance
                 for j in range(size if coloured else 1):
                     f[j] = slope * L[0, j] + (L[last, j] if coloured else 0.0)
@@ -150,8 +151,8 @@ def any_state(
                         x[states[i]] += L[i, 0] * correction
                         L[i, 0] *= shrink
             else:
-                x[0] = x[3] = lies(position[k], sensor.gain, sensor.square, sensor.cube)
-                _, slope = measured(x[0], sensor.gain, sensor.square, sensor.cube)
+                x[0] = x[3] = position_of(position[k], sensor, p)
+                _, slope = reading_of(x[0], sensor, p)
                 L[row_of_v, row_of_v] = math.sqrt(VELOCITY_VARIANCE)
                 for i in range(row_of_v):
                     L[i, 0] = math.sqrt(reading_variance + sensor.colour) / slope

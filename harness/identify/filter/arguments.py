@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
+from analytic.effects.sensor_law import LEAST_SLOPE, ITERATIONS, lies, measured
+from analytic.law import OF_SENSOR, spline_slope, spline_term
 from analytic.motion import FloatArray
+from analytic.slots import SHAPE
 
 SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted
 VELOCITY_VARIANCE = 1e-2  # of the first state, at rest with standard deviation 0.1 m/s [m²/s²]
@@ -42,7 +45,7 @@ class BeamTable(NamedTuple):
 class Sensor(NamedTuple):
     """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²], curve [1/m, 1/m²].
 
-    It measures h(s) = gain (s + square s² + cube s³) with white noise of variance R and coloured noise, a first-order
+    It measures h(s) = gain (s + square s² + cube s³), and an error that the kernel's vector holds, with white noise of variance R and coloured noise, a first-order
     Gauss–Markov process of variance `colour` [m²] and correlation time `colour_time` [s].
     """
 
@@ -116,6 +119,28 @@ def velocity_nudge(v: float, variance: float) -> float:
 def angle_nudge(variance: float) -> float:
     """Step of the finite difference in the angle's error: a standard deviation, for the same reason [rad]."""
     return max(NUDGE[4], math.sqrt(variance))
+
+
+@njit(cache=True, inline="always")
+def reading_of(s: float, sensor: Sensor, p: FloatArray) -> tuple[float, float]:
+    """What the sensor reads of a (lagging) position s [m], with its error if the kernel's vector has one, and the slope
+    of that [1]."""
+    expected, slope = measured(s, sensor.gain, sensor.square, sensor.cube)
+    if p[SHAPE] == OF_SENSOR:
+        expected += spline_term(s, p)
+        slope = max(slope + spline_slope(s, p), LEAST_SLOPE * sensor.gain)
+    return expected, slope
+
+
+@njit(cache=True)
+def position_of(reading: float, sensor: Sensor, p: FloatArray) -> float:
+    """The position of which the sensor reads that [m], by Newton's method."""
+    s = lies(reading, sensor.gain, sensor.square, sensor.cube)
+    if p[SHAPE] == OF_SENSOR:
+        for _ in range(ITERATIONS):
+            expected, slope = reading_of(s, sensor, p)
+            s -= (expected - reading) / slope
+    return s
 
 
 @njit(cache=True, inline="always")

@@ -53,7 +53,7 @@ def dynamics(problem: Problem, recording: PreparedRecording, added: Terms, own: 
     """
     effects = (*problem.declared, *added.effects_in(own))
     p = parameters_with(problem.model, problem.rig, effects, phase=own.phase)
-    p[ORIGIN] = float(problem.sensor(added.effects).position(np.array(recording.origin)))
+    p[ORIGIN] = float(added.sensor_in(problem).position(np.array(recording.origin)))
     table = recording.table_with(effects)
     if added.spline is not None:
         added.spline.write(p, own.phase)
@@ -107,7 +107,7 @@ def run_parts(
     shared: bool = False,
 ) -> list[FilterRun]:
     """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
-    law, sensor = problem.sensor(added.effects), _sensor(problem, added)
+    law, sensor = added.sensor_in(problem), _sensor(problem, added)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
     error = recording.error_with((*problem.declared, *added.effects), shared=shared)
     runs = []
@@ -141,7 +141,7 @@ def run_ahead(
     Returns:
         The run over all stamps, and one over the stamps of each span.
     """
-    law, sensor = problem.sensor(added.effects), _sensor(problem, added)
+    law, sensor = added.sensor_in(problem), _sensor(problem, added)
     p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
     error, beam = recording.error_with((*problem.declared, *added.effects)), beam_over(recording, table)
     known = Readings(recording.time, recording.reading)

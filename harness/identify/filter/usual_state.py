@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.effects.sensor_law import lies, measured
 from analytic.law import acceleration
 from analytic.motion import FloatArray
 from analytic.step import advance
@@ -19,6 +18,8 @@ from harness.identify.filter.arguments import (
     Memory,
     Readings,
     Sensor,
+    position_of,
+    reading_of,
     shifted,
     velocity_nudge,
     weighted,
@@ -90,7 +91,7 @@ def usual_state(
             )
         if not math.isnan(position[k]):
             if begun:
-                expected, slope = measured(s, sensor.gain, sensor.square, sensor.cube)
+                expected, slope = reading_of(s, sensor, p)
                 e, S = position[k] - expected, slope * slope * L[0, 0] ** 2 + reading_variance
                 out.innovation[k - first], out.innovation_variance[k - first] = e, S
                 S_weighted, R_weighted = weighted(e, S, reading_variance)
@@ -103,8 +104,8 @@ def usual_state(
                 for i in range(5):
                     L[i, 0] *= shrink
             else:
-                s = lies(position[k], sensor.gain, sensor.square, sensor.cube)
-                _, slope = measured(s, sensor.gain, sensor.square, sensor.cube)
+                s = position_of(position[k], sensor, p)
+                _, slope = reading_of(s, sensor, p)
                 L[0, 0], L[1, 1] = math.sqrt(reading_variance) / slope, math.sqrt(VELOCITY_VARIANCE)
                 root_of(error.covariance[k], L, 2)
                 begun = True

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from analytic.effects import CATALOGUE, Acting, Effect, Parameter
+from analytic.effects import CATALOGUE, Acting, Effect, Parameter, SensorLaw
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
 
-# Standard deviation of the difference of neighbouring nodes in scaled parameters, for a force (False) and for a
-# friction coefficient (True), which may jump where the surface changes.
-_NODE_DIFFERENCE = {False: 1.0, True: 3.0}
-
+# Typical size of a spline term's nodes, of a force [m/s²], a friction coefficient [1], an error of the sensor [m].
+_FORCE, _COEFFICIENT, _READING = 0.03, 0.003, 0.002
+# Standard deviation of the difference of neighbouring nodes in scaled parameters; a friction coefficient may jump where
+# the surface changes.
+_NODE_DIFFERENCE, _FRICTION_DIFFERENCE = 1.0, 3.0
+# Standard deviation of the mean of a sensor's error [m]: one that is alike all along the beam shifts the origin of
+# positions, which readings hardly tell; what differs along it is an error.
+_SHIFT = 1e-4
 
 # How well the period of a force that repeats itself along the beam is known at first, and where a fit ends [m].
 _PERIOD, _SHORTEST, _LONGEST = 1e-3, 0.01, 10.0
@@ -49,6 +53,11 @@ class Terms:
     phases: FloatArray
     spline: SplineTerm | None
     own: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def sensor_in(self, problem: Problem) -> SensorLaw:
+        """The position sensor with the known effects, these, and the spline term if it is an error of the sensor."""
+        law = problem.sensor(self.effects)
+        return law if self.spline is None or not self.spline.sensor else replace(law, error=self.spline)
 
     def own_at(self, number: int) -> Own:
         """What the recording of this number has of its own."""
@@ -143,7 +152,8 @@ class Hypothesis:
     def _spline_sizes(self) -> list[float]:
         if self.spline is None:
             return []
-        nodes = [0.003 if self.spline.friction else 0.03] * self.spline.basis.shape[1]
+        size = _COEFFICIENT if self.spline.friction else _READING if self.spline.sensor else _FORCE
+        nodes = [size] * self.spline.basis.shape[1]
         return [_PERIOD, *nodes] if self.spline.periodic else nodes
 
     def bounds(self, problem: Problem) -> tuple[FloatArray, FloatArray]:
@@ -172,8 +182,10 @@ class Hypothesis:
         count = len(self.spline.nodes)
         steps = np.roll(np.eye(count), 1, axis=1) - np.eye(count)
         steps = steps if self.spline.closed else steps[:-1]
-        penalty = steps @ self.spline.basis / _NODE_DIFFERENCE[self.spline.friction]
-        return np.vstack((own, np.hstack((np.zeros((len(steps), self.size(problem) - penalty.shape[1])), penalty))))
+        penalty = steps @ self.spline.basis / (_FRICTION_DIFFERENCE if self.spline.friction else _NODE_DIFFERENCE)
+        if self.spline.sensor:
+            penalty = np.vstack((penalty, np.full((1, count), _READING / count / _SHIFT)))
+        return np.vstack((own, np.hstack((np.zeros((len(penalty), self.size(problem) - penalty.shape[1])), penalty))))
 
     def terms(self, theta: FloatArray, problem: Problem) -> Terms:
         """Effects, phases and spline term with the values of the scaled parameters, shape (k,)."""

@@ -1,7 +1,7 @@
 """Spline terms: unknown laws as cubic splines of position, velocity, angle, rolled angle or time.
 
 A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
-friction. The nodes are equidistant over the range of the recordings. The rolled angle counts
+friction. An error of the position sensor [m] is added to what it records of a ball at a position. The nodes are equidistant over the range of the recordings. The rolled angle counts
 from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter. A force of position may repeat
 itself along the beam, with a period that is a parameter too: few harmonics then tell what else takes dozens of nodes.
 """
@@ -23,7 +23,9 @@ from analytic.law import (
     OF_POSITION,
     OF_ROLL,
     OF_VELOCITY,
+    OF_SENSOR,
     PERIODIC,
+    spline_slope_at,
     spline_term,
     spline_term_at,
 )
@@ -44,11 +46,13 @@ class Regressor(StrEnum):
 
 
 class Kind(NamedTuple):
-    """What a spline term depends on, whether it is a friction coefficient, whether it repeats itself along the beam."""
+    """What a spline term depends on, whether it is a friction coefficient, whether it repeats itself along the beam,
+    and whether it is an error of the position sensor."""
 
     depends: Regressor
     friction: bool = False
     periodic: bool = False
+    sensor: bool = False
 
 
 _PER_WAVE = 3  # nodes that the shortest wave of a periodic one needs
@@ -61,6 +65,7 @@ _KERNEL = {
     Kind(Regressor.POSITION, friction=True): DRY_OF_POSITION,
     Kind(Regressor.ROLL_ANGLE, friction=True): DRY_OF_ROLL,
     Kind(Regressor.TIME, friction=True): DRY_OF_TIME,
+    Kind(Regressor.POSITION, sensor=True): OF_SENSOR,
 }
 KINDS = (Kind(Regressor.TIME), *_KERNEL)
 """Kinds of spline terms that are tried."""
@@ -72,7 +77,8 @@ class SplineTerm:
 
     Attributes:
         depends: its regressor.
-        friction: whether it is a coefficient of dry friction [1] rather than a force per mass [m/s²].
+        friction, sensor: whether it is a coefficient of dry friction [1], or an error of the position sensor [m], rather
+            than a force per mass [m/s²].
         low, step: first node and distance of nodes, in the unit of the regressor.
         nodes: values, shape (n,), n at most MOST_NODES; those of a closed one are of one turn or period.
         harmonics: of which the nodes of a periodic force of position are sums; 0 for any other.
@@ -84,6 +90,7 @@ class SplineTerm:
     step: float
     nodes: FloatArray
     harmonics: int = 0
+    sensor: bool = False
 
     @property
     def periodic(self) -> bool:
@@ -93,7 +100,7 @@ class SplineTerm:
     @property
     def kind(self) -> Kind:
         """What it depends on and how."""
-        return Kind(self.depends, self.friction, self.periodic)
+        return Kind(self.depends, self.friction, self.periodic, self.sensor)
 
     @property
     def closed(self) -> bool:
@@ -145,16 +152,21 @@ class SplineTerm:
     @property
     def name(self) -> str:
         """Name in the ledger."""
-        return f"{'periodic ' * self.periodic}spline of {self.depends}{' in friction' * self.friction}"
+        where = " in friction" * self.friction + " in the position sensor" * self.sensor
+        return f"{'periodic ' * self.periodic}spline of {self.depends}{where}"
 
     @property
     def unit(self) -> str:
         """Unit of the node values."""
-        return "1" if self.friction else "m/s²"
+        return "1" if self.friction else "m" if self.sensor else "m/s²"
 
     def at(self, where: FloatArray) -> FloatArray:
         """Values of the spline at `where`, shape (n,); the same shape."""
         return np.asarray(spline_term_at(where, self._alone))
+
+    def slope_at(self, where: FloatArray) -> FloatArray:
+        """Derivative of the spline at `where`, shape (n,); the same shape."""
+        return np.asarray(spline_slope_at(where, self._alone))
 
     def at_one(self, where: float) -> float:
         """Its value at one place: quick enough for every step of an engine."""
@@ -228,6 +240,7 @@ class SplineTerm:
             step=self.step,
             nodes=len(self.nodes),
             harmonics=self.harmonics,
+            sensor=self.sensor,
         )
 
     @classmethod
@@ -240,7 +253,8 @@ class SplineTerm:
         if not 2 <= record.nodes <= MOST_NODES:
             raise ValueError(f"a spline term of {record.nodes} nodes")
         nodes = np.zeros(record.nodes)
-        return cls(Regressor(record.depends), record.friction, record.low, record.step, nodes, record.harmonics)
+        kind = Regressor(record.depends), record.friction
+        return cls(*kind, record.low, record.step, nodes, record.harmonics, record.sensor)
 
 
 def blank(kind: Kind, low: float, high: float, count: int = DEFAULT.spline_nodes) -> SplineTerm:
@@ -249,4 +263,4 @@ def blank(kind: Kind, low: float, high: float, count: int = DEFAULT.spline_nodes
     count = 2 * count if kind.periodic else count
     closed = kind.periodic or kind.depends is Regressor.ROLL_ANGLE
     step = max(high - low, 1e-9) / (count if closed else count - 1)
-    return SplineTerm(kind.depends, kind.friction, low, step, np.zeros(count), int(kind.periodic))
+    return SplineTerm(kind.depends, kind.friction, low, step, np.zeros(count), int(kind.periodic), kind.sensor)

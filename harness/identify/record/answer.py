@@ -50,8 +50,9 @@ class ShapeRecord(Part):
 
     at: tuple[Finite, ...]
     values: tuple[Finite, ...]
-    unit: Literal["1", "m/s²"]
+    unit: Literal["1", "m/s²", "m"]
     friction: bool
+    sensor: bool = False
     low: Finite
     step: Positive
     periodic: bool = False

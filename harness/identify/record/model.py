@@ -27,11 +27,14 @@ class SplineTermRecord(Part):
     step: Positive
     nodes: int = Field(ge=2, le=MOST_NODES)
     harmonics: int = Field(0, ge=0, le=MOST_NODES // 3)
+    sensor: bool = False
 
     @model_validator(mode="after")
     def _possible(self) -> SplineTermRecord:
         if self.harmonics and (self.friction or self.depends != "position"):
             raise ValueError("only a force of position is periodic")
+        if self.sensor and (self.friction or self.harmonics or self.depends != "position"):
+            raise ValueError("an error of the sensor is a function of the position alone")
         if self.friction and self.depends in ("velocity", "angle"):
             raise ValueError(f"there is no friction term of the {self.depends}")
         return self

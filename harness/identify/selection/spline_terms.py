@@ -30,7 +30,7 @@ from harness.progress import Progress
 # Process noise of a held-out recording over that of all without and with the spline term: where the ball comes to
 # places that the others did not visit, a spline term leaves as much unexplained as none.
 _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
-_HALVINGS = 3  # numbers of nodes with which a force of position is fitted to coarse data: 12, 23, 45
+_HALVINGS = 3  # numbers of nodes with which a force or an error of position is fitted to coarse data: 12, 23, 45
 _OPEN = 1e-3  # process noise with which the filter follows the readings despite missing physics [m²/s³]
 
 
@@ -97,7 +97,8 @@ def _spline(fit: Fit) -> SplineTerm:
 
 def _contains(spline: SplineTerm, name: str) -> bool:
     """Whether the law of an effect is nested in a spline term of this kind; none of the catalogue's is periodic."""
-    return not spline.periodic and (spline.depends, spline.friction) in CATALOGUE[name].relations.nested_in
+    kind = "reading" if spline.sensor else str(spline.depends), spline.friction
+    return not spline.periodic and kind in CATALOGUE[name].relations.nested_in
 
 
 def _with_finer_spline(problem: Problem, best: Fit, ledger: Ledger, progress: Progress) -> Fit:
@@ -125,6 +126,8 @@ def _with_effect_absorbed(problem: Problem, best: Fit, name: str) -> SplineTerm:
 
 def _law_at_nodes(problem: Problem, effect: Acting, spline: SplineTerm) -> FloatArray:
     """The law of an effect at the nodes of a spline term in which it is nested, in the unit of the nodes, (n,)."""
+    if spline.sensor and effect.effect.sensor is not None:
+        return effect.effect.sensor(effect.values).curve(spline.places) - spline.places
     if spline.depends is Regressor.TIME and effect.effect.tilting is not None:
         begin = float(problem.recordings[0].time[0])
         return problem.rig.gravity * effect.effect.tilting(effect.values) * (spline.places - begin)
@@ -177,9 +180,13 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
     """
     steps = (COARSE_STEP, 1.0)
 
+    def noise(kind: Kind) -> float:
+        """Process noise that a fit starts with [m²/s³]: an error of the sensor is fitted as if it explained all."""
+        return problem.angle_floor**2 if kind.sensor else found.process_noise
+
     def begin(kind: Kind) -> Hypothesis:
         """With a zero spline term; one of the rolled angle as fitted to one recording, so that each φ₀ can follow, a
-        force of position as fine as pays on coarse data, a periodic one with the best period on these."""
+        force or an error of position as fine as pays on coarse data, a periodic one with the best period on these."""
         count, (low, high) = problem.settings.spline_nodes, visited(problem, kind.depends)
         if kind.periodic:
             spline = blank(kind, low, low + period_of(problem.coarse, found, low, high), count)
@@ -188,8 +195,8 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
             return coarse.refined
         spline = blank(kind, low, high, count)
         hypothesis = Hypothesis(found.hypothesis.names, spline)
-        if kind == Kind(Regressor.POSITION):
-            return _as_fine_as_pays(problem, found, spline)
+        if kind in (Kind(Regressor.POSITION), Kind(Regressor.POSITION, sensor=True)):
+            return _as_fine_as_pays(problem, found, spline, noise(kind))
         if kind.depends is not Regressor.ROLL_ANGLE:
             return hypothesis
         alone = replace(problem, recordings=(max(problem.recordings, key=lambda one: np.isfinite(one.reading).sum()),))
@@ -197,9 +204,8 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
         return Hypothesis(hypothesis.names, hypothesis.terms(theta, alone).spline)
 
     def screened(hypothesis: Hypothesis) -> ScreeningFit:
-        assert hypothesis.spline is not None
-        progress(f"screening: {hypothesis.spline.name}")
-        return screen(problem, hypothesis, found.process_noise, found.values(), steps=steps)[0]
+        progress(f"screening: {title(hypothesis)}")
+        return screen(problem, hypothesis, noise(_kind(hypothesis)), found.values(), steps=steps)[0]
 
     def title(hypothesis: Hypothesis) -> str:
         assert hypothesis.spline is not None
@@ -215,20 +221,24 @@ def _fit_kinds(problem: Problem, found: Fit, progress: Progress, failures: Failu
         hypothesis, first = screening
         if found.deviance - first.expected_deviance < least:
             return unrefined(problem, hypothesis, first)
-        return fit(problem, hypothesis, process_noise=found.process_noise, starts=[first.theta])
+        return fit(problem, hypothesis, process_noise=noise(_kind(hypothesis)), starts=[first.theta])
 
     finished = fitted_each(finish, screenings, lambda screening: title(screening[0]), failures)
     return sorted((one for _, one in finished), key=Criterion(problem.settings).value)
 
 
-def _as_fine_as_pays(problem: Problem, found: Fit, spline: SplineTerm) -> Hypothesis:
+def _kind(hypothesis: Hypothesis) -> Kind:
+    assert hypothesis.spline is not None
+    return hypothesis.spline.kind
+
+
+def _as_fine_as_pays(problem: Problem, found: Fit, spline: SplineTerm, process_noise: float) -> Hypothesis:
     """With the spline term as fitted to coarse data, with the number of nodes of lowest BIC.
 
     A ripple that is shorter than the distance of nodes is not seen at all: of it twice the nodes may not pay, but four
     times the nodes.
     """
-    coarse, fits = problem.coarse, []
-    process_noise, initial = found.process_noise, found.values()
+    coarse, fits, initial = problem.coarse, [], found.values()
     while True:
         hypothesis = Hypothesis(found.hypothesis.names, spline)
         fits.append(fit(coarse, hypothesis, process_noise=process_noise, initial=initial))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import SensorLaw, rig_with, sensor_with
+from analytic.effects import SensorLaw, rig_with
 from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
@@ -162,7 +162,9 @@ def entries(fit: Fit) -> dict[str, str]:
     """How each identified term is injected into the engines, in words, by its name."""
     places = {term.effect.name: term.effect.enters for term in fit.terms.effects}
     if fit.terms.spline is not None:
-        places["spline term"] = "friction on the ball" if fit.terms.spline.friction else "force on the ball"
+        spline = fit.terms.spline
+        onto = "friction on the ball" if spline.friction else "force on the ball"
+        places["spline term"] = "sensor side: what is recorded of the position" if spline.sensor else onto
     return places
 
 
@@ -199,12 +201,12 @@ class _Scene:
         own = own_of(problem, found, recording, recording.reading)
         self.effects = (*problem.declared, *found.terms.effects_in(own))
         self.rig: Rig = rig_with(problem.rig, self.effects)
-        self.origin = float(problem.sensor(found.terms.effects).position(np.array(recording.origin)))
+        self.origin = float(found.terms.sensor_in(problem).position(np.array(recording.origin)))
         spline = found.terms.spline
         self.law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)
         self.phase = own.phase
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.time)
-        self.sensor = sensor_with(self.effects)
+        self.sensor = found.terms.sensor_in(problem)
         self.engine = engine
         settings = {**given, **engine_settings(self.effects, engine.name)} or {"time_step": _ROLLING_STEP}
         if engine.scene_file:  # has less to set; what is left is the user's own
@@ -284,7 +286,8 @@ class _Scene:
 
 
 def law_of(spline: SplineTerm, phase: float, gravity: float) -> Law:
-    """A function that writes a spline term into the kernel's vector, one of time before every step."""
+    """A function that writes a spline term into the kernel's vector, one of time before every step; an error of the
+    sensor writes nothing."""
     original: dict[int, float] = {}
     written: list[FloatArray] = []
 

@@ -77,7 +77,7 @@ def _acceleration(
 ) -> FloatArray:
     """Modelled acceleration along the measured path, as recorded by the sensor, shape (n,) [m/s²]."""
     p, table = dynamics(problem, recording, added, added.own_of(recording.name))
-    sensor = problem.sensor(added.effects)
+    sensor = added.sensor_in(problem)
     position = sensor.position(ball.position)
     velocity = ball.velocity / sensor.slope(position)
     out = np.empty(len(recording.time))
@@ -85,8 +85,7 @@ def _acceleration(
     # A lag is linear and time-invariant: it acts on the acceleration as on the position.
     if sensor.lag > 0.0:
         out = SensorLaw(lag=sensor.lag).recorded(recording.time, out)
-    bent = sensor.gain * (2.0 * sensor.square + 6.0 * sensor.cube * position)
-    return sensor.slope(position) * out + bent * velocity**2
+    return sensor.slope(position) * out + sensor.bend(position) * velocity**2
 
 
 @njit(cache=True, nogil=True)

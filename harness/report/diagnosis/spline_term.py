@@ -8,6 +8,7 @@ from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.formatting import number
 from harness.identify.estimate.fit import TWO_SIDED
+from harness.identify.filter.run import run_filter
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
@@ -27,6 +28,15 @@ _ABSCISSA = {  # name, unit, factor to it
     Regressor.ROLL_ANGLE: (r"rolled angle $\varphi$", "deg", float(np.degrees(1.0))),
     Regressor.TIME: ("time", "s", 1.0),
 }
+_ORDINATE = {  # by whether it is of friction, of the sensor
+    (False, False): "force on the ball [mN]",
+    (True, False): "added to the coefficient\nof dry friction [1]",
+    (False, True): "error of the\nposition sensor [mm]",
+}
+_DOTS = {  # by whether it is of the sensor
+    False: "residual acceleration of the model, estimated from the recordings alone",
+    True: "readings less the position at which the filtered ball of the model is",
+}
 
 
 def section(account: Account) -> Section | None:
@@ -35,10 +45,11 @@ def section(account: Account) -> Section | None:
     if spline is None:
         return None
     reach = TWO_SIDED * spline.deviations(account.diagnosis.found.covariance)
-    factor = 1.0 if spline.friction else 1e3 * account.diagnosis.problem.rig.mass
+    factor = 1.0 if spline.friction else 1e3 if spline.sensor else 1e3 * account.diagnosis.problem.rig.mass
     first, *others = account.diagnosis.depends_on
     context = {
         "friction": spline.friction,
+        "sensor": spline.sensor,
         "depends": DEPENDENCES[first],
         "turning": spline.turning,
         "period": _period(account, spline),
@@ -61,7 +72,7 @@ def _period(account: Account, spline: SplineTerm) -> str:
 @style()
 def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatArray) -> Picture:
     name, unit, scale = _ABSCISSA[spline.depends]
-    where, left = _left(account, spline)
+    where, left = (_misread if spline.sensor else _left)(account, spline)
     figure = drawing(3.4)
     axes = figure.add_subplot()
     first, last = spline.places[0], spline.places[-1] + (spline.step if spline.closed else 0.0)
@@ -79,18 +90,32 @@ def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatAr
     axes.set(
         xlim=(scale * first, scale * last),
         xlabel=f"{name}{' within a period' * spline.periodic} [{unit}]",
-        ylabel="added to the coefficient\nof dry friction [1]" if spline.friction else "force on the ball [mN]",
+        ylabel=_ORDINATE[spline.kind.friction, spline.sensor],
     )
-    figure.legend(handles=[sample(LEFT), sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
+    dotted = sample(LEFT, "reading less position of the model" if spline.sensor else "")
+    figure.legend(handles=[dotted, sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
+    what = "friction" if spline.friction else "error of the position sensor" if spline.sensor else "force"
     return picture(
         figure,
-        f"The unlisted {'friction' if spline.friction else 'force'} as a function of {DEPENDENCES[spline.depends]}.",
+        f"The unlisted {what} as a function of {DEPENDENCES[spline.depends]}.",
         f"Estimated spline term with {len(spline.nodes)} nodes over "
         f"{'one period' if spline.periodic else 'the range of the recordings'}, with 95 % "
-        "intervals of the nodes (grey). Dots: residual acceleration of the model, estimated from the recordings "
-        "alone; black: its bin means with their standard errors."
+        f"intervals of the nodes (grey). Dots: {_DOTS[spline.sensor]}; black: bin means with their standard errors."
         f"{' A negative total friction is set to zero.' if spline.friction else ''}",
     )
+
+
+def _misread(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
+    """Where the model's filtered ball is [m], and what readings are more than a sensor without an error gives there."""
+    diagnosis = account.diagnosis
+    wheres, lefts = [], []
+    for record in diagnosis.problem.recordings:
+        run = run_filter(diagnosis.problem, record, diagnosis.found.terms, diagnosis.found.process_noise)
+        known = np.isfinite(record.reading)
+        lies = run.state[known, 3]
+        wheres.append(lies)
+        lefts.append(record.reading[known] - replace(run.sensor, error=None).curve(lies))
+    return np.concatenate(wheres), np.concatenate(lefts)
 
 
 def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
@@ -139,7 +164,8 @@ def _normal(record: PreparedRecording, seen: ResidualAcceleration, rig: Rig) -> 
 
 def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
     _, unit, scale = _ABSCISSA[spline.depends]
-    quantity = "coefficient [1]" if spline.friction else "force [mN]"
+    unit_of_values = "1" if spline.friction else "mm" if spline.sensor else "mN"
+    quantity = f"{'coefficient' if spline.friction else 'error' if spline.sensor else 'force'} [{unit_of_values}]"
     rows = [
         (number(scale * at), number(factor * value), number(factor * half, 2))
         for at, value, half in zip(spline.places, spline.nodes, reach, strict=True)
@@ -147,6 +173,6 @@ def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
     columns: list[Column | str] = [
         Column(str(spline.depends).replace("_", " "), unit),
         quantity,
-        f"± 95 % [{'1' if spline.friction else 'mN'}]",
+        f"± 95 % [{unit_of_values}]",
     ]
     return Table("Nodes of the spline term", columns, rows)
