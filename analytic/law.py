@@ -13,8 +13,8 @@ from analytic.models import Reading
 from analytic.motion import FloatArray
 
 # What a spline term depends on (slot SHAPE, or the first of a law behind the slots), and whether it is a force on the
-# ball, an error of the position sensor, which moves no ball, or a dry friction. A friction that depends on time stands in
-# a fourth column of the beam's table.
+# ball, an error of the position sensor, which moves no ball, or a dry friction. A friction that depends on time stands
+# in a fourth column of the beam's table.
 OF_POSITION, OF_VELOCITY, OF_ANGLE, OF_ROLL, PERIODIC, OF_SENSOR, DRY_OF_POSITION, DRY_OF_ROLL, DRY_OF_TIME = (
     1.0,
     2.0,

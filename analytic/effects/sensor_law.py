@@ -32,7 +32,9 @@ class PositionError(Protocol):
 
 @dataclass(frozen=True)
 class SensorLaw:
-    """Recorded is `gain` (y + `square` y² + `cube` y³) + `error` (y), y the position behind a lag T ẏ + y = s, `delay` later.
+    """Recorded is `gain` (y + `square` y² + `cube` y³) + `error` of y, y the position behind a lag T ẏ + y = s.
+
+    All of it comes `delay` later.
 
     Attributes:
         gain: recorded position per position [1].

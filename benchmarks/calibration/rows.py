@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from benchmarks.calibration.imperfect import spline_says, says_imperfection
+from benchmarks.calibration.imperfect import says_imperfection, spline_says
 from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES

@@ -122,8 +122,9 @@ def _effects(rig: Rig) -> list[str]:
         heads = ("effect", "law", "parameter", "value, 95 % interval", "indistinguishable from")
         said.append(table(heads, rows, left=len(heads)))
     if spline is not None:
-        what = "friction" if spline.shape.friction else "force"
-        said.append(f"A {what} that no effect of the catalogue explains depends on {listed(spline.depends_on)}.")
+        shape = spline.shape
+        what = "A friction" if shape.friction else "An error of the position sensor" if shape.sensor else "A force"
+        said.append(f"{what} that no effect of the catalogue explains depends on {listed(spline.depends_on)}.")
     return said or ["No effect was found."]
 
 

@@ -62,7 +62,9 @@ def spline_in(model: ExportModel, to: str) -> str:
             return f"The {name}, an error that no catalogue lists: carried, in what is recorded, as NODES."
         if to == "statespace":
             return f"The {name}, an error that no catalogue lists: carried, by its slope at the operating point."
-        return f"The {name}, an error that no catalogue lists: NOT CARRIED, as a scene has no sensor. --to python has it."
+        return (
+            f"The {name}, an error that no catalogue lists: NOT CARRIED, as a scene has no sensor. --to python has it."
+        )
     if to in ("c", "python", "fmu"):
         return f"The {name}, a law that no catalogue lists: carried, in the equations, as NODES."
     if to == "statespace" and not model.spline.friction:

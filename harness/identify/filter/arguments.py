@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
-from analytic.effects.sensor_law import LEAST_SLOPE, ITERATIONS, lies, measured
+from analytic.effects.sensor_law import ITERATIONS, LEAST_SLOPE, lies, measured
 from analytic.law import OF_SENSOR, spline_slope, spline_term
 from analytic.motion import FloatArray
 from analytic.slots import SHAPE
@@ -45,8 +45,9 @@ class BeamTable(NamedTuple):
 class Sensor(NamedTuple):
     """Position sensor: gain [1], time constant of its lag or 0 [s], reading variance R [m²], curve [1/m, 1/m²].
 
-    It measures h(s) = gain (s + square s² + cube s³), and an error that the kernel's vector holds, with white noise of variance R and coloured noise, a first-order
-    Gauss–Markov process of variance `colour` [m²] and correlation time `colour_time` [s].
+    It measures h(s) = gain (s + square s² + cube s³), with an error besides that the kernel's vector holds, with white
+    noise of variance R and coloured noise, a first-order Gauss–Markov process of variance `colour` [m²] and correlation
+    time `colour_time` [s].
     """
 
     gain: float

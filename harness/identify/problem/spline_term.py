@@ -1,9 +1,10 @@
 """Spline terms: unknown laws as cubic splines of position, velocity, angle, rolled angle or time.
 
 A force per mass f(·) [m/s²] enters as m s̈ (1 + J/(m r²)) = … + m f(·), a friction coefficient is added to that of dry
-friction. An error of the position sensor [m] is added to what it records of a ball at a position. The nodes are equidistant over the range of the recordings. The rolled angle counts
-from a mark on the ball, so its phase φ₀ at the start of each recording is a parameter. A force of position may repeat
-itself along the beam, with a period that is a parameter too: few harmonics then tell what else takes dozens of nodes.
+friction. An error of the position sensor [m] is added to what it records of a ball at a position. The nodes are
+equidistant over the range of the recordings. The rolled angle counts from a mark on the ball, so its phase φ₀ at the
+start of each recording is a parameter. A force of position may repeat itself along the beam, with a period that is a
+parameter too: few harmonics then tell what else takes dozens of nodes.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from analytic.law import (
     OF_ANGLE,
     OF_POSITION,
     OF_ROLL,
-    OF_VELOCITY,
     OF_SENSOR,
+    OF_VELOCITY,
     PERIODIC,
     spline_slope_at,
     spline_term,
@@ -77,8 +78,8 @@ class SplineTerm:
 
     Attributes:
         depends: its regressor.
-        friction, sensor: whether it is a coefficient of dry friction [1], or an error of the position sensor [m], rather
-            than a force per mass [m/s²].
+        friction, sensor: whether it is a coefficient of dry friction [1], or an error of the position sensor [m];
+            else it is a force per mass [m/s²].
         low, step: first node and distance of nodes, in the unit of the regressor.
         nodes: values, shape (n,), n at most MOST_NODES; those of a closed one are of one turn or period.
         harmonics: of which the nodes of a periodic force of position are sums; 0 for any other.

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
+from analytic.effects import acting
 from analytic.law import acceleration, dry_limit
 from analytic.models import CAM, coefficients
 from analytic.motion import FloatArray
@@ -59,7 +60,10 @@ def test_a_finer_spline_term_is_nearly_the_same_with_twice_the_nodes(spline: Spl
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind.depends is not Regressor.TIME])
 def test_the_kernel_feels_the_spline_term(kind: Kind) -> None:
-    """Push or hold the ball by the spline term at its position, velocity, rolled angle or at the beam's angle."""
+    """Push or hold the ball by the spline term at its position, velocity, rolled angle or at the beam's angle.
+
+    Leave it alone where only the sensor errs.
+    """
     p = coefficients(CAM, Rig())
     p[ORIGIN] = 0.2
     without, resisted = acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p), dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
@@ -74,13 +78,34 @@ def test_the_kernel_feels_the_spline_term(kind: Kind) -> None:
         Regressor.ROLL_ANGLE: (0.3 - 0.2) / Rig().rolling_radius + 1.0,
     }[kind.depends]
     (expected,) = spline.at(np.array([felt])) * p[RESPONSE]
-    if kind.friction:
+    if kind.sensor:
+        assert acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p) == without
+        assert dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p) == resisted
+    elif kind.friction:
         assert resisted == 0.0
         held = dry_limit(0.3, 0.1, 1.0, 0.02, 0.0, 0.0, p)
         assert held == pytest.approx(expected * p[WEIGHT] * np.cos(0.02), rel=1e-12)
     else:
         # a difference of accelerations of order 0.1 is rounded by 1e-17, of forces of order 0.01
         assert acceleration(0.3, 0.1, 0.02, 0.0, 0.0, p) - without == pytest.approx(expected, rel=1e-12)
+
+
+def test_an_error_of_the_sensor_that_grows_with_the_position_is_a_gain(plain: Posed) -> None:
+    """Predict with an error of 3 % of the position what is predicted with a gain of 1.03, and read positions back.
+
+    A spline through points of a line is that line; its slope as a difference has an error of 1e-16/1e-6.
+    """
+    straight = blank(Kind(Regressor.POSITION, sensor=True), 0.0, 0.7)
+    straight = replace(straight, nodes=0.03 * straight.places)
+    gain = Terms((), (acting("position_gain", {"gain": 1.03}),), np.zeros(0), None)
+    error = Terms((), (), np.zeros(0), straight)
+    expected, got = (filter_run.deviance(plain.problem, one, 1e-8) for one in (gain, error))
+    assert got == pytest.approx(expected, rel=1e-9)
+    where = np.linspace(0.05, 0.6, 12).reshape(3, 4)
+    law = error.sensor_in(plain.problem)
+    np.testing.assert_allclose(law.curve(where), 1.03 * where, rtol=1e-12)
+    np.testing.assert_allclose(law.position(law.curve(where)), where, rtol=1e-12)
+    np.testing.assert_allclose(law.slope(where), 1.03, rtol=1e-9)
 
 
 @pytest.mark.parametrize("spline", [BENT, ROUND.finer(), WAVY])

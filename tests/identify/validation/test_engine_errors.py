@@ -54,7 +54,7 @@ def spline_term(problem: Problem, kind: Kind) -> SplineTerm:
         Regressor.TIME: (0.0, SECONDS),
     }[kind.depends]
     high = low + (high - low) / (5.0 if kind.periodic else 1.0)
-    nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if kind.friction else 0.02)
+    nodes = np.sin(np.arange(DEFAULT.spline_nodes)) * (0.004 if kind.friction or kind.sensor else 0.02)
     return replace(blank(kind, float(low), float(high)), nodes=nodes)
 
 
@@ -101,9 +101,12 @@ def test_an_effect_does_the_same_in_the_engines(
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_spline_term_is_the_same_in_the_engines(short: Problem, base: Fit, kind: Kind) -> None:
-    """Predict with both engines as wrongly as CAM does with an unlisted law, a force or a friction."""
+    """Predict with both engines as wrongly as CAM does with an unlisted law, of a force, a friction or the sensor."""
     found = supposed(base, spline=spline_term(short, kind), phase=0.7)
-    assert entries(found) == {"spline term": "friction on the ball" if kind.friction else "force on the ball"}
+    enters = "friction on the ball" if kind.friction else "force on the ball"
+    assert entries(found) == {
+        "spline term": enters if not kind.sensor else "sensor side: what is recorded of the position"
+    }
     agree(short, base, found)
 
 
