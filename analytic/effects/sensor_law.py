@@ -98,10 +98,10 @@ class SensorLaw:
         """Where a ball lies of which `recorded` is recorded, any shape; the same shape [m]."""
         recorded = np.asarray(recorded, np.float64)
         if self.error is not None:
-            found = replace(self, error=None).position(recorded)
+            near = replace(self, error=None).position(recorded)
             for _ in range(ITERATIONS):
-                found = found - (self.curve(found) - recorded) / self.slope(found)
-            return found
+                near = near - (self.curve(near) - recorded) / self.slope(near)
+            return near
         if not self.square and not self.cube:
             return recorded / self.gain
         found = [lies(float(one), self.gain, self.square, self.cube) for one in recorded.ravel()]
