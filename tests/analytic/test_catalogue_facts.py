@@ -43,7 +43,8 @@ def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> Flo
     p = parameters_with(CAM, RIG, effects, phase=0.4)
     p[ORIGIN] = 0.2
     gains, sensor = transmission_with(effects), sensor_with(effects)
-    fixed = [p[TRACTION], p[DAHL], gains.gain, gains.play, *astuple(sensor)]
+    assert sensor.error is None  # which is a spline term's alone
+    fixed = [p[TRACTION], p[DAHL], gains.gain, gains.play, *astuple(sensor)[:-1]]
     fixed += [rig_with(RIG, effects).rolling_ratio, rig_with(RIG, effects).lever]
     laws = [
         (acceleration(*at, p), *(dry_limit(at[0], at[1], towards, *at[2:], p) for towards in (1.0, -1.0)))
@@ -82,7 +83,8 @@ def test_an_effect_vanishes_with_its_strengths_and_with_nothing_else(name: str) 
 
 @pytest.mark.parametrize("name", [name for name, one in CATALOGUE.items() if one.relations.nested_in])
 def test_a_spline_term_contains_the_laws_nested_in_it(name: str) -> None:
-    """Push, or resist per normal force, alike in all states in which the spline term's regressor is the same."""
+    """Push, resist per normal force, or be recorded alike in all states in which the spline term's regressor is the
+    same."""
     effect = CATALOGUE[name]
     full, bare = (parameters_with(CAM, RIG, effects, phase=0.4) for effects in (at(effect), NOTHING))
     full[ORIGIN] = bare[ORIGIN] = 0.2
@@ -102,6 +104,12 @@ def test_a_spline_term_contains_the_laws_nested_in_it(name: str) -> None:
         ]
         np.testing.assert_allclose(tilts[0], tilts[1], rtol=0.0, atol=1e-15)
         assert effect.relations.nested_in == (("time", False),)
+        return
+    if effect.sensor is not None:  # what is recorded is another function of the position, and of nothing else
+        sensor = sensor_with(at(effect))
+        assert effect.relations.nested_in == (("reading", False),)
+        assert (sensor.lag, sensor.delay) == (0.0, 0.0)
+        assert float(sensor.curve(np.array(0.3))) != 0.3
         return
     for regressor, friction in effect.relations.nested_in:
         index = {"position": 0, "velocity": 1, "angle": 2, "roll_angle": 0}.get(regressor)
