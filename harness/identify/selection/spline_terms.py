@@ -30,7 +30,9 @@ from harness.progress import Progress
 # Process noise of a held-out recording over that of all without and with the spline term: where the ball comes to
 # places that the others did not visit, a spline term leaves as much unexplained as none.
 _NOISE_RATIOS = 10.0 ** np.arange(-2.0, 5.0)
-_HALVINGS = 3  # numbers of nodes with which a force or an error of position is fitted to coarse data: 12, 23, 45
+# Numbers of nodes with which it is fitted to coarse data: of a force of position 12, 23, 45, of an error of the sensor,
+# which has no joints or poles to repeat, 12 and 23.
+_HALVINGS = {False: 3, True: 2}
 _OPEN = 1e-3  # process noise with which the filter follows the readings despite missing physics [m²/s³]
 
 
@@ -242,7 +244,7 @@ def _as_fine_as_pays(problem: Problem, found: Fit, spline: SplineTerm, process_n
     while True:
         hypothesis = Hypothesis(found.hypothesis.names, spline)
         fits.append(fit(coarse, hypothesis, process_noise=process_noise, initial=initial))
-        if len(fits) == _HALVINGS or not spline.refinable:
+        if len(fits) == _HALVINGS[spline.sensor] or not spline.refinable:
             break
         spline = _spline(fits[-1]).finer()
         process_noise, initial = fits[-1].process_noise, fits[-1].values()
