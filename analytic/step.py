@@ -15,6 +15,8 @@ from analytic.compiled import njit
 from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, acceleration, dry_limit, normal_force
 from analytic.motion import FloatArray
 
+_PIECES = 8  # of a step of a ball that slips: it stops slipping, or turning, once or twice within it
+
 
 class _Step(NamedTuple):
     """A step of `h` [s] with the smooth forces only, from s [m], ṡ [m/s] to `s_end`, `v_end`."""
@@ -123,29 +125,55 @@ def _slip(smooth: _Step, w: float, beam: FloatArray, row: int, p: FloatArray, dr
     """(s, ṡ, w) after a step of a ball that can slip, given the step of free rolling; w is its slip velocity [m/s].
 
     The traction τ = F_t/m is set-valued, |τ| ≤ μ N R/(r m): it stops the slip if it can. A resistance against rolling
-    is a moment c r N on the turning ball, ± by its sense. With ι = J/(m r²),
+    is a moment c r N on the turning ball, ± by its sense, set-valued too. With ι = J/(m r²),
 
         s̈ = G + τ,   ẇ = G + τ (1 + 1/ι) ± c N/(m ι) + r α̈,   G = (1 + ι) s̈_rolling + ι r α̈.
+
+    What drives is the step's mean; within the step the ball goes in pieces that end where the slip or the turning does,
+    for at a piece of wrong sense τ is off by twice its size.
     """
     s, v, h, s_end, v_end = smooth
     iota = 1.0 / p[slots.RESPONSE] - 1.0
     turn = p[slots.TURN] * beam[row, 2]
-    free = (1.0 + iota) * (v_end - v) / h + iota * turn
+    rolling = (v_end - v) / h
+    free = (1.0 + iota) * rolling + iota * turn
     grip = p[slots.TRACTION] * normal_force(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
-    resisted = 0.0
+    plus, minus = 0.0, 0.0
     if dry:
         s_end, v_end = _resist(smooth, beam, row, p)
-        sense = 1.0 if v > w else -1.0
-        resisted = sense * _limit(s, v, sense, beam, row, p) / (p[slots.RESPONSE] * iota) if v != w else 0.0
+        plus, minus = _limit(s, v, 1.0, beam, row, p), _limit(s, v, -1.0, beam, row, p)
     if w == 0.0 and abs((v_end - v) / h - free) <= grip:
         return s_end, v_end, 0.0
-    needed = -(free + turn + resisted + w / h) / (1.0 + 1.0 / iota)
-    traction = min(max(needed, -grip), grip)
-    new = v + h * (free + traction)
-    w += h * (free + turn + resisted + traction * (1.0 + 1.0 / iota))
-    if abs(needed) <= grip:
-        w = 0.0  # exactly: it rolls again
-    return s + 0.5 * h * (v + new), new, w
+    both, rest = 1.0 + 1.0 / iota, h
+    for left in range(_PIECES, 0, -1):
+        spin = v - w
+        sense = 1.0 if spin > 0.0 or (spin == 0.0 and rolling > 0.0) else -1.0
+        held = plus if sense > 0.0 else minus
+        resisted = sense * held / (p[slots.RESPONSE] * iota)
+        if spin == 0.0 and w == 0.0 and abs(rolling) <= held:
+            return s, 0.0, 0.0
+        needed = -(free + turn + resisted) / both
+        rolls = w == 0.0 and abs(needed) <= grip
+        traction = needed if rolls else np.copysign(grip, needed if w == 0.0 else -w)
+        if spin == 0.0 and not rolls:  # a resistance holds a ball that does not turn, if it can
+            pull = -(turn + traction / iota)
+            resisted = np.copysign(min((plus if pull > 0.0 else minus) / (p[slots.RESPONSE] * iota), abs(pull)), pull)
+        by_v = free + traction
+        by_w = 0.0 if rolls else free + turn + resisted + traction * both
+        by_spin, piece, ends, stops = by_v - by_w, rest, False, False
+        if left > 1 and w * by_w < 0.0 and -w / by_w < piece:
+            piece, ends = -w / by_w, True
+        if left > 1 and spin * by_spin < 0.0 and -spin / by_spin < piece:
+            piece, ends, stops = -spin / by_spin, False, True
+        s += piece * (v + 0.5 * piece * by_v)
+        v += piece * by_v
+        w = 0.0 if ends or rolls else v if stops else w + piece * by_w
+        if stops and rolls:
+            v = 0.0
+        rest -= piece
+        if rest <= 0.0:
+            break
+    return s, v, w
 
 
 @njit(cache=True)

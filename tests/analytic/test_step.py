@@ -267,6 +267,37 @@ def test_sliding_ball_is_braked_by_grip_alone_and_turned_by_resistance_too(sign:
     np.testing.assert_allclose(v[late], expected, rtol=0.0, atol=1.5 * K * c * G * H)
 
 
+@pytest.mark.parametrize("effects", [(), (("rolling_resistance", {"coefficient": 0.0017}),)], ids=["free", "resisted"])
+@pytest.mark.parametrize(("grip", "rate", "seconds"), [(0.0027, 4.0, 3.0), (0.004, 3.0, 6.0)])
+def test_a_ball_that_slips_is_of_second_order(
+    effects: tuple[tuple[str, dict[str, float]], ...], grip: float, rate: float, seconds: float
+) -> None:
+    """Slide to and fro on a swinging beam, and be off by a hundredth or little more with a tenth of the step.
+
+    By how much is that of a mean force: the swing's third derivative, h²/24 · K g 0.03 rate³, acts for a piece of
+    1/rate before it changes sign, and moves the ball by h²/24 · 6.6 · 0.03 · rate² · seconds/rate = 1e-5 m with 10 ms.
+    A step of wrong sense would change ṡ by 2 grip g h/2 = 3e-4 m/s, which three seconds turn into 1e-3 m.
+    """
+    own = [acting("contact_slip", {"friction_coefficient": grip}), *(acting(*one) for one in effects)]
+    vector = parameters_with(CAM, RIG, own)
+    ends = []
+    for h in (1e-2, 1e-3, 1e-4):
+        grid = Grid.over(np.arange(0.0, seconds + 0.5e-2, 1e-2), h)
+        swing = 0.03 * np.cos(rate * grid.edges)
+        table = np.column_stack((swing, -0.03 * rate * np.sin(rate * grid.edges), -(rate**2) * swing))
+        s, v, w, slipping, turning = 0.3, 0.0, 0.0, [], []
+        for step in range(len(grid.steps)):
+            s, v, w = advance(s, v, w, grid.steps[step], table, 2 * step, vector)
+            slipping.append(np.sign(w))
+            turning.append(np.sign(v - w))
+        ends.append((s, v))
+    assert np.count_nonzero(np.diff(slipping)) >= 3  # of the shortest steps: it begins, ends, or turns round
+    assert np.count_nonzero(np.diff(turning)) >= 3
+    coarse, fine = (np.abs(np.subtract(one, ends[-1])).max() for one in ends[:2])
+    assert coarse < 1e-5
+    assert fine < coarse / 15.0  # of first order it would be a tenth
+
+
 def test_ball_that_grips_is_resisted_in_rolling() -> None:
     """Roll against the resistance as if it could not slip, where the grip is more than both need."""
     effects = ("rolling_resistance", {"coefficient": 0.005})

@@ -107,6 +107,21 @@ def test_many_effects_together_equal_our_own(tmp_path: Path) -> None:
     np.testing.assert_allclose(InC(model, tmp_path).run(beam, S0), expected, atol=ROUNDED + PRINTED)
 
 
+def test_a_ball_that_slips_against_a_resistance_equals_our_own(tmp_path: Path) -> None:
+    """Stop slipping and turning within steps where our own ball does."""
+    effects = [
+        acting("contact_slip", {"friction_coefficient": 0.003}),
+        acting("rolling_resistance", {"coefficient": 0.002}),
+    ]
+    model, beam = of_effects(RIG, effects), motion()
+    expected = ours(RIG, effects, beam, S0)
+    rolling = ours(RIG, effects[1:], beam, S0)
+    assert np.abs(expected - rolling).max() > 1e-3  # or it would not slip
+    time, states = beam.time.tolist(), [tuple(one) for one in beam.states.tolist()]
+    np.testing.assert_allclose(in_python(model, tmp_path).run(time, states, S0), expected, atol=ROUNDED)
+    np.testing.assert_allclose(InC(model, tmp_path).run(beam, S0), expected, atol=ROUNDED + PRINTED)
+
+
 def test_angles_alone_are_enough(tmp_path: Path) -> None:
     """Derive rate and acceleration from angles, alike in C and Python."""
     model, beam = of_effects(RIG, []), motion()

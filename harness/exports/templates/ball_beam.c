@@ -129,29 +129,57 @@ static void resist(const bb_state *x, double s, double v, double h, const row_t 
 {% endif %}
 {% if slip %}
 
-/* After a step of a ball that can slip; w is its slip velocity. Traction |F_t| <= mu N R/r. */
+/* After a step of a ball that can slip; w is its slip velocity. Traction |F_t| <= mu N R/r.
+   In pieces that end where the slip, or the turning, does. */
 static void slide(bb_state *x, double s, double v, double h, const row_t *mid, double s_end, double v_end) {
-  double iota = 1.0 / K_ROLL - 1.0, turn = ROLLING_RADIUS * mid->beam.angular;
-  double free_ = (1.0 + iota) * (v_end - v) / h + iota * turn;
-  double grip = {{ slip[0] }} * RADIUS / ROLLING_RADIUS * normal_force(s, v, mid->beam), resisted = 0.0;
+  double iota = 1.0 / K_ROLL - 1.0, turn = ROLLING_RADIUS * mid->beam.angular, rolling = (v_end - v) / h;
+  double free_ = (1.0 + iota) * rolling + iota * turn, both = 1.0 + 1.0 / iota, w = x->w, rest = h;
+  double grip = {{ slip[0] }} * RADIUS / ROLLING_RADIUS * normal_force(s, v, mid->beam), plus = 0.0, minus = 0.0;
 {% if dry %}
   resist(x, s, v, h, mid, &s_end, &v_end);
-  if (v != x->w) {
-    double sense = v > x->w ? 1.0 : -1.0;
-    resisted = sense * limit_of(x, s, v, sense, mid) / (K_ROLL * iota);
-  }
+  plus = limit_of(x, s, v, 1.0, mid);
+  minus = limit_of(x, s, v, -1.0, mid);
 {% endif %}
-  if (x->w == 0.0 && fabs((v_end - v) / h - free_) <= grip) {
+  if (w == 0.0 && fabs((v_end - v) / h - free_) <= grip) {
     x->s = s_end;
     x->v = v_end;
     return;
   }
-  double needed = -(free_ + turn + resisted + x->w / h) / (1.0 + 1.0 / iota);
-  double traction = fmin(fmax(needed, -grip), grip), new_ = v + h * (free_ + traction);
-  x->w += h * (free_ + turn + resisted + traction * (1.0 + 1.0 / iota));
-  if (fabs(needed) <= grip) x->w = 0.0; /* it rolls again */
-  x->s = s + 0.5 * h * (v + new_);
-  x->v = new_;
+  for (int left = 8; left > 0; left--) {
+    double spin = v - w, sense = spin > 0.0 || (spin == 0.0 && rolling > 0.0) ? 1.0 : -1.0;
+    double held = sense > 0.0 ? plus : minus, resisted = sense * held / (K_ROLL * iota);
+    if (spin == 0.0 && w == 0.0 && fabs(rolling) <= held) {
+      v = 0.0;
+      break;
+    }
+    double needed = -(free_ + turn + resisted) / both;
+    int rolls = w == 0.0 && fabs(needed) <= grip, ends = 0, stops = 0;
+    double traction = rolls ? needed : copysign(grip, w == 0.0 ? needed : -w);
+    if (spin == 0.0 && !rolls) { /* a resistance holds a ball that does not turn, if it can */
+      double pull = -(turn + traction / iota);
+      resisted = copysign(fmin((pull > 0.0 ? plus : minus) / (K_ROLL * iota), fabs(pull)), pull);
+    }
+    double by_v = free_ + traction, by_w = rolls ? 0.0 : free_ + turn + resisted + traction * both;
+    double by_spin = by_v - by_w, piece = rest;
+    if (left > 1 && w * by_w < 0.0 && -w / by_w < piece) {
+      piece = -w / by_w;
+      ends = 1;
+    }
+    if (left > 1 && spin * by_spin < 0.0 && -spin / by_spin < piece) {
+      piece = -spin / by_spin;
+      ends = 0;
+      stops = 1;
+    }
+    s += piece * (v + 0.5 * piece * by_v);
+    v += piece * by_v;
+    w = ends || rolls ? 0.0 : stops ? v : w + piece * by_w;
+    if (stops && rolls) v = 0.0;
+    rest -= piece;
+    if (rest <= 0.0) break;
+  }
+  x->s = s;
+  x->v = v;
+  x->w = w;
 }
 {% endif %}
 {% if dahl %}
