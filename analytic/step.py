@@ -12,7 +12,7 @@ import numpy as np
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, acceleration, dry_limit, normal_force
+from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, OF_VELOCITY, acceleration, dry_limit, normal_force
 from analytic.motion import FloatArray
 
 _PIECES = 8  # of a step of a ball that slips: it stops slipping, or turning, once or twice within it
@@ -43,7 +43,8 @@ def advance(
 
     Smooth forces are integrated by RK4. Dry friction then acts on the step's mean acceleration as a set-valued force:
     it opposes the motion; if that stops within the step, friction holds the ball where it can, or else opposes the new
-    direction for the rest of the step. So a ball at rest stays at rest, without creep.
+    direction for the rest of the step. So a ball at rest stays at rest, without creep. Smooth forces of the velocity
+    act on one that has lost to friction what it loses in half the step (Strang, SIAM J. Numer. Anal. 5, 1968).
 
     w is the internal state of an effect: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
     a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
@@ -51,15 +52,23 @@ def advance(
     middle, end = row + 1, row + 2
     if p[slots.DAHL] != 0.0:
         w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[slots.DAHL_STIFFNESS])
-    k1 = acceleration(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p)
-    v2 = v + 0.5 * h * k1
-    k2 = acceleration(s + 0.5 * h * v, v2, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
-    v3 = v + 0.5 * h * k2
+    dry = (
+        p[slots.DRY_PLUS] != 0.0
+        or p[slots.DRY_MINUS] != 0.0
+        or p[slots.DRY_STATIC] != 0.0
+        or p[slots.SHAPE] >= DRY_OF_POSITION
+    )
+    lost = _lost(s, v, h, beam, middle, p) if dry else 0.0
+    u = v - lost
+    k1 = acceleration(s, u, beam[row, 0], beam[row, 1], beam[row, 2], p)
+    v2 = u + 0.5 * h * k1
+    k2 = acceleration(s + 0.5 * h * u, v2, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
+    v3 = u + 0.5 * h * k2
     k3 = acceleration(s + 0.5 * h * v2, v3, beam[middle, 0], beam[middle, 1], beam[middle, 2], p)
-    v4 = v + h * k3
+    v4 = u + h * k3
     k4 = acceleration(s + h * v3, v4, beam[end, 0], beam[end, 1], beam[end, 2], p)
-    s_end = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
-    v_end = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+    s_end = s + h * (u + 2.0 * v2 + 2.0 * v3 + v4) / 6.0 + h * lost
+    v_end = u + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0 + lost
     if p[slots.DAHL] != 0.0:
         s_end, v_end = s_end + 0.5 * h * h * w, v_end + h * w
         w = dahl(
@@ -69,12 +78,6 @@ def advance(
             dahl_limit(s_end, v_end, beam[end, 0], beam[end, 1], beam[end, 2], p),
             p[slots.DAHL_STIFFNESS],
         )
-    dry = (
-        p[slots.DRY_PLUS] != 0.0
-        or p[slots.DRY_MINUS] != 0.0
-        or p[slots.DRY_STATIC] != 0.0
-        or p[slots.SHAPE] >= DRY_OF_POSITION
-    )
     if not dry and p[slots.TRACTION] == 0.0:
         return s_end, v_end, w
     smooth = _Step(s, v, h, s_end, v_end)
@@ -82,6 +85,25 @@ def advance(
         return _slip(smooth, w, beam, middle, p, dry)
     s_end, v_end = _resist(smooth, beam, middle, p)
     return s_end, v_end, w
+
+
+@njit(cache=True)
+def _lost(s: float, v: float, h: float, beam: FloatArray, row: int, p: FloatArray) -> float:
+    """What dry friction takes of ṡ in half a step, where smooth forces depend on it [m/s]; not more than all of it.
+
+    Else they would act throughout on a ball that is too fast: by h c N/(2 m) on average.
+    """
+    of_velocity = (
+        p[slots.VISCOUS] != 0.0
+        or p[slots.QUADRATIC] != 0.0
+        or p[slots.READING] != 0.0
+        or p[slots.SHAPE] == OF_VELOCITY
+        or len(p) > slots.SLOTS
+    )
+    if not of_velocity or v == 0.0 or p[slots.TRACTION] != 0.0:
+        return 0.0
+    sign = 1.0 if v > 0.0 else -1.0
+    return sign * min(0.5 * h * _limit(s, v, sign, beam, row, p), abs(v))
 
 
 @njit(cache=True)

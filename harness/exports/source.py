@@ -9,6 +9,9 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from analytic.effects import parameters_with
+from analytic.models import CAM
+from analytic.slots import QUADRATIC, VISCOUS
 from harness.exports.model import LONGEST_STEP, Constant, ExportModel, refuse_own_effects
 from harness.identify.problem.spline_term import Regressor
 
@@ -90,6 +93,7 @@ def context_of(model: ExportModel, what: str) -> Mapping[str, Any]:
     spline = model.spline
     if spline is not None and not (spline.friction or spline.sensor or spline.depends is Regressor.TIME):
         force.append(f"spline({_ARGUMENT[spline.depends]})")
+    dry = bool(plus) or (spline is not None and spline.friction)
     # A tilt of the whole rig comes after all that turns the beam, in which order ever they act.
     stages.sort(key=lambda one: one.kind == "drift")
     return {
@@ -100,7 +104,8 @@ def context_of(model: ExportModel, what: str) -> Mapping[str, Any]:
         "force": " + ".join(force),
         "plus": " + ".join(plus) or "0.0",
         "minus": " + ".join(minus) or "0.0",
-        "dry": bool(plus) or (spline is not None and spline.friction),
+        "dry": dry,
+        "lost": dry and "slip" not in inner and _feels_velocity(model),
         "falling": falling,
         "stages": [replace(one, number=number) for number, one in enumerate(stages)],
         "history": any(one.kind == "hold" for one in stages),
@@ -111,6 +116,14 @@ def context_of(model: ExportModel, what: str) -> Mapping[str, Any]:
         "time_force": spline is not None and spline.depends is Regressor.TIME and not spline.friction,
         "nodes": [] if spline is None else [float(one) for one in spline.nodes],
     }
+
+
+def _feels_velocity(model: ExportModel) -> bool:
+    """Whether a smooth force on the ball depends on its velocity, but for what turns it about the pivot."""
+    p = parameters_with(CAM, model.declared_rig, model.acting)
+    spline = model.spline
+    of_velocity = spline is not None and spline.depends is Regressor.VELOCITY and not spline.friction
+    return of_velocity or p[VISCOUS] != 0.0 or p[QUADRATIC] != 0.0
 
 
 @lru_cache

@@ -200,12 +200,20 @@ static void advance(bb_state *x, const row_t *rows) {
 {% if dahl %}
   x->w = dahl(x->w, s, v, 0.5 * h, rows->beam);
 {% endif %}
-  double k1 = accelerated(x, s, v, rows);
-  double v2 = v + 0.5 * h * k1, k2 = accelerated(x, s + 0.5 * h * v, v2, mid);
-  double v3 = v + 0.5 * h * k2, k3 = accelerated(x, s + 0.5 * h * v2, v3, mid);
-  double v4 = v + h * k3, k4 = accelerated(x, s + h * v3, v4, end);
-  double s_end = s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0;
-  double v_end = v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
+{% if lost %}
+  /* What dry friction takes of v in half the step: smooth forces of the velocity act on what is left. */
+  double lost = v == 0.0 ? 0.0 : copysign(fmin(0.5 * h * limit_of(x, s, v, copysign(1.0, v), mid), fabs(v)), v);
+  double u = v - lost;
+{% set u, back_s, back_v = "u", " + h * lost", " + lost" %}
+{% else %}
+{% set u, back_s, back_v = "v", "", "" %}
+{% endif %}
+  double k1 = accelerated(x, s, {{ u }}, rows);
+  double v2 = {{ u }} + 0.5 * h * k1, k2 = accelerated(x, s + 0.5 * h * {{ u }}, v2, mid);
+  double v3 = {{ u }} + 0.5 * h * k2, k3 = accelerated(x, s + 0.5 * h * v2, v3, mid);
+  double v4 = {{ u }} + h * k3, k4 = accelerated(x, s + h * v3, v4, end);
+  double s_end = s + h * ({{ u }} + 2.0 * v2 + 2.0 * v3 + v4) / 6.0{{ back_s }};
+  double v_end = {{ u }} + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0{{ back_v }};
 {% if dahl %}
   s_end += 0.5 * h * h * x->w;
   v_end += h * x->w;
