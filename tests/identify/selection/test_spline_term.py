@@ -176,8 +176,8 @@ def test_a_blank_spline_term_changes_nothing(plain: Posed, kind: Kind) -> None:
     """Predict with a spline term of zeros exactly what is predicted without one.
 
     Beside a force of the velocity, of zeros too, steps of a ball that friction brakes are split (`analytic.step`).
-    Their path differs by h³/12 · K c g · α̇² = 2e-10 m or less, of readings of 0.3 mm: of n = 3200 the deviance changes by
-    2 √n z · 2e-10/3e-4 = 1e-4 for each standard deviation z of their sum, and is 5e4.
+    Their path differs by h³/12 · K c g · α̇² = 2e-10 m or less, of readings of 0.3 mm: of n = 3200 the deviance
+    changes by 2 √n z · 2e-10/3e-4 = 1e-4 for each standard deviation z of their sum, and is 5e4.
     """
     spline = blank(kind, 0.0, 1.0)
     without, with_spline_term = (
