@@ -15,6 +15,7 @@ from analytic.motion import FloatArray
 LEAST_SLOPE = 0.1  # of a sensor's curve, over its gain [1]
 ITERATIONS = 8  # of Newton's method: each doubles the digits
 _BEND_OVER = 1e-4  # over which the slope's derivative is a difference [m]: errors bend over centimetres
+_FARTHEST = 1e2  # that a ball lies from the pivot [m]
 _SETTLED = 1e-9  # least time constant of the recursion [s]
 
 
@@ -123,12 +124,17 @@ def measured(s: float, gain: float, square: float, cube: float) -> tuple[float, 
 
 @njit(cache=True)
 def lies(recorded: float, gain: float, square: float, cube: float) -> float:
-    """Where a ball lies of which such a sensor measures `recorded` [m], by Newton's method."""
+    """Where a ball lies of which such a sensor measures `recorded` [m], by Newton's method.
+
+    Where the curve turns round before it reaches that, no ball does: then where it would without the curve.
+    """
     s = recorded / gain
     if square != 0.0 or cube != 0.0:
         for _ in range(ITERATIONS):
             value, slope = measured(s, gain, square, cube)
             s -= (value - recorded) / slope
+        if not abs(s) < _FARTHEST:
+            s = recorded / gain
     return s
 
 
