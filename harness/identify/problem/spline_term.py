@@ -166,7 +166,7 @@ class SplineTerm:
         return np.asarray(spline_term_at(where, self._alone))
 
     def slope_at(self, where: FloatArray) -> FloatArray:
-        """Derivative of the spline at `where`, shape (n,); the same shape."""
+        """Derivative of the spline at `where`, shape (n,), its unit per unit of the regressor; the same shape."""
         return np.asarray(spline_slope_at(where, self._alone))
 
     def at_one(self, where: float) -> float:

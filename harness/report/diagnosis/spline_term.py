@@ -90,7 +90,7 @@ def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatAr
     axes.set(
         xlim=(scale * first, scale * last),
         xlabel=f"{name}{' within a period' * spline.periodic} [{unit}]",
-        ylabel=_ORDINATE[spline.kind.friction, spline.sensor],
+        ylabel=_ORDINATE[spline.friction, spline.sensor],
     )
     dotted = sample(LEFT, "reading less position of the model" if spline.sensor else "")
     figure.legend(handles=[dotted, sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
