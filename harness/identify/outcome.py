@@ -18,13 +18,14 @@ _TAKES_IF_KEPT = {
     Rule.MERGE,
     Rule.SPLINE,
     Rule.REFINE,
+    Rule.EXPLAIN,
     Rule.JOINT,
     Rule.EXTEND,
     Rule.EXCHANGE,
     Rule.PREFER,
     Rule.RESTORE,
 }
-_LEAVES_IF_NOT_KEPT = {Rule.DROP, Rule.ABSORB, Rule.PRUNE, Rule.VALIDATE, Rule.PREFER}
+_LEAVES_IF_NOT_KEPT = {Rule.DROP, Rule.ABSORB, Rule.PRUNE, Rule.VALIDATE, Rule.PREFER, Rule.EXPLAIN}
 _BY_HELD_OUT_ERRORS = {Rule.JOINT, Rule.VALIDATE, Rule.EXTEND, Rule.EXCHANGE, Rule.PRUNE, Rule.RESTORE}
 
 

@@ -176,7 +176,7 @@ def _fit_from(
     lowest = math.log(problem.least_process_noise)
     process_noise, deviance = max(process_noise, math.exp(lowest)), math.inf
     for number in range(rounds):
-        before = deviance
+        before, previous = deviance, (theta, slopes, process_noise, deviance)
         if len(theta):
             residuals = Residuals(problem, hypothesis, _density(problem, hypothesis, process_noise))
             theta, slopes = _least_squares(residuals, smoothness, theta, low, high, first=number == 0)
@@ -187,6 +187,9 @@ def _fit_from(
             method="bounded",
             options={"xatol": 0.1},
         )
+        if float(optimum.fun) > before:  # least squares at a fixed process noise do not count what variances cost
+            theta, slopes, process_noise, deviance = previous
+            break
         process_noise, deviance = math.exp(optimum.x), float(optimum.fun)
         if not len(theta) or before - deviance < problem.settings.converged:
             break

@@ -104,10 +104,17 @@ class Settings:
         "share of the best predicted decrease that a spline term needs to be fitted [1]",
         "it is nearly linear in its nodes, so that it reaches the predicted decrease",
     )
+    explained_least: float = _setting(
+        0.25,
+        "smallest share of the density of the process noise that an effect has to take away where that is far above "
+        "the input-noise floor after it [1]",
+        "each of four effects of one size that act together takes away a quarter; what explains less follows from a "
+        "likelihood whose noise model is wrong",
+    )
     given_up_from: int = _setting(
-        5000,
-        "number of integration steps of a run from which the stepwise search may be given up for coarse data [1]",
-        "50 s at 100 Hz: of shorter recordings coarse data are few, and the whole search takes less than a minute",
+        400,
+        "number of coarse readings from which the stepwise search may be given up for what they tell [1]",
+        "thirty for each node of a spline term; of shorter recordings the whole search takes seconds",
     )
     min_blocks: int = _setting(
         4, "smallest number of held-out blocks of 3 s that decide", "with fewer, a bootstrap has no meaning"

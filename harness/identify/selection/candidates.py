@@ -105,7 +105,7 @@ def is_seen_in_coarse(problem: Problem, base: Fit) -> bool:
 def _fit_from_coarse(
     problem: Problem, base: Fit, progress: Progress, excluding: str, replacing: bool, failures: Failures | None
 ) -> list[Fit]:
-    """As `fit_candidates`: fitted to coarse data, the best of these to all readings."""
+    """As `fit_candidates`: fitted to coarse data, the best of these to all readings, one if it explains little."""
     coarse, criterion = problem.coarse, Criterion(problem.settings)
     begin = replace(
         base,
@@ -115,13 +115,16 @@ def _fit_from_coarse(
     )
     ranked = _fit_candidates(coarse, begin, progress, excluding, replacing, failures)
     least = criterion.gain(ranked[0], begin) * (1.0 - _NEAR_BEST) if ranked else 0.0
-    near = {id(one) for one in ranked[:_FITTED] if not one.abandoned and criterion.gain(one, begin) >= least}
+    bare = fit(coarse, base.refined, process_noise=base.process_noise, initial=base.values()) if ranked else begin
+    count = _FITTED if any(criterion.explains(one, bare) for one in ranked) else 1
+    near = {id(one) for one in ranked[:count] if not one.abandoned and criterion.gain(one, begin) >= least}
 
     def finish(one: Fit) -> Fit:
+        evaluated = _evaluated(problem, one)
         if id(one) not in near:
-            return _evaluated(problem, one)
+            return evaluated
         progress(f"fit: {' + '.join(one.hypothesis.names)}")
-        return fit(problem, one.refined, process_noise=one.process_noise, initial=one.values())
+        return fit(problem, one.refined, process_noise=one.process_noise, starts=[evaluated.theta])
 
     def title(one: Fit) -> str:
         return " + ".join(one.hypothesis.names)

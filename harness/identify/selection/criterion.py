@@ -36,6 +36,7 @@ class Rule(StrEnum):
     SPLINE = "spline"  # add a spline term
     REFINE = "refine"  # double the nodes of a spline term
     ABSORB = "absorb"  # keep or drop an effect beside the spline term that may contain it
+    EXPLAIN = "explain"  # keep or drop effects by what they take away of a process noise far above its floor
     JOINT = "joint"  # keep the best of several sets of terms, by held-out errors
     VALIDATE = "validate"  # keep or drop what was selected, by held-out errors
     EXTEND = "extend"  # add a candidate, by held-out errors
@@ -131,6 +132,7 @@ class Criterion:
             Rule.SPLINE: self._spline,
             Rule.REFINE: self._add,
             Rule.ABSORB: self._absorb,
+            Rule.EXPLAIN: self._explain,
             Rule.JOINT: self._joint,
             Rule.VALIDATE: self._validate,
             Rule.EXTEND: self._held_out,
@@ -206,6 +208,20 @@ class Criterion:
             return False, "is contained in the spline term"
         kept = not gain < self.settings.keep
         return kept, f"{'is' if kept else 'is not'} needed beside the spline term"
+
+    def _explain(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """Effects are kept if they take away a good part of the density of the process noise.
+
+        Where it is far above its floor, the likelihood is of readings with errors that are neither white nor Gaussian,
+        and effects that explain nothing can gain a hundred in it.
+        """
+        share = 1.0 - tried.process_noise / against.process_noise
+        much = self.explains(tried, against)
+        return much, f"{_lowers(gain)}, with {max(share, 0.0):.0%} less process noise{'' if much else ', too little'}"
+
+    def explains(self, tried: Fit, against: Fit) -> bool:
+        """Whether `tried` takes away a good part of the density of the process noise that `against` needs."""
+        return tried.process_noise < (1.0 - self.settings.explained_least) * against.process_noise
 
     def _held_out(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """The best fit of its round is kept if it surely reduces the held-out error."""

@@ -43,8 +43,9 @@ class QuickSearch:
 def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress) -> QuickSearch | None:
     """What a quick search finds if effects explain little on coarse data, else `None`: the stepwise search is needed.
 
-    It adds effects, as many as are selected at most, without swaps, then a spline term. It is not made, and `None`
-    returned, where `first` is not far from the recordings or coarse data are as many.
+    It adds effects, without swaps, as long as each explains something and as many as are selected at most, then a
+    spline term. It is not made, and `None` returned, where `first` is not far from the recordings or coarse data are as
+    many.
 
     Args:
         base, first: fits without effects, and with the first that was added.
@@ -53,30 +54,41 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
         return None
     coarse = replace(problem.coarse, settings=replace(problem.settings, max_fitted=_FITTED))
     ledger = Ledger(Criterion(coarse.settings), Failures())  # decides nothing of the result
-    bare, effects = fit(coarse, base.hypothesis, initial=base.values()), _refitted(coarse, first)
-    left = effects.root_process_noise
-    while len(selected_effects(problem, effects)) < problem.settings.max_effects:
-        tried = fit_candidates(coarse, effects, progress, failures=ledger.failures)
-        kept = ledger.decide_round(Rule.ADD, tried, effects)
+    bare = fit(coarse, base.hypothesis, initial=base.values())
+    path, explains = [bare, _refitted(coarse, first)], ledger.criterion.explains
+    while explains(path[-1], path[-2]) and len(path) <= problem.settings.max_effects:
+        tried = fit_candidates(coarse, path[-1], progress, failures=ledger.failures)
+        kept = ledger.decide_round(Rule.ADD, tried, path[-1])
         if kept is None:
             break
-        effects = kept
-        if len(selected_effects(problem, effects)) <= _EFFECTS:
-            left = effects.root_process_noise
-        if explained_by_few(coarse, effects):
+        path.append(kept)
+        if explained_by_few(coarse, kept):
             return None
+    left = min(one.root_process_noise for one in path[: 1 + _EFFECTS])
+    effects = path[-1] if explains(path[-1], path[-2]) else path[-2]
     found = with_spline_term(coarse, bare, effects, ledger, progress)
     if found.hypothesis.spline is not None and found.root_process_noise < _MUCH * effects.root_process_noise:
         listed = Hypothesis(found.hypothesis.names)
         return QuickSearch(_fitted_from(coarse, found, listed), spline=True)
     little = left > _MUCH * bare.root_process_noise and _predicts_poorly(coarse, found)
-    return QuickSearch(found, spline=False) if little and problem.steps >= problem.settings.given_up_from else None
+    return QuickSearch(found, spline=False) if little and coarse.readings >= problem.settings.given_up_from else None
 
 
-def on_all_readings(problem: Problem, quick: QuickSearch, first: Fit, progress: Progress) -> Fit:
-    """The better of `first` and of the terms that the quick search found, fitted to all readings."""
+def on_all_readings(
+    problem: Problem, quick: QuickSearch, base: Fit, first: Fit, ledger: Ledger, progress: Progress
+) -> Fit:
+    """The better of `first` and of the terms that the quick search found, fitted to all readings; `base` if no spline
+    term is to follow and that explains little.
+
+    Args:
+        base, first: as for `without_stepwise`.
+        ledger: records whether it explains enough.
+    """
     progress(f"fit: {' + '.join(quick.found.hypothesis.names)}")
-    return min(first, _refitted(problem, quick.found), key=Criterion(problem.settings).value)
+    found = min(first, _refitted(problem, quick.found), key=Criterion(problem.settings).value)
+    if quick.spline or found.hypothesis == base.hypothesis:
+        return found
+    return found if ledger.decide(Rule.EXPLAIN, found, base, selected_effects(problem, found)) else base
 
 
 def _refitted(problem: Problem, one: Fit) -> Fit:

@@ -76,7 +76,9 @@ def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, pr
     if quick is None:
         effects = ledger.attempt("stepwise selection", lambda: stepwise(problem, base, begun, ledger, progress), first)
     else:
-        effects = ledger.attempt("quick search", lambda: on_all_readings(problem, quick, first, progress), first)
+        effects = ledger.attempt(
+            "quick search", lambda: on_all_readings(problem, quick, base, first, ledger, progress), first
+        )
         if not quick.spline:
             return effects
     if explained_by_few(problem, effects):

@@ -262,14 +262,25 @@ def test_needed_separations_follow_from_the_thresholds() -> None:
     assert C.detection_limit(READINGS, 2) == pytest.approx(math.sqrt(6.0 + 2.0 * PRICE))
 
 
+@pytest.mark.parametrize(("left", "kept"), [(0.74, True), (0.76, False), (1.2, False)])
+def test_effects_far_above_the_floor_have_to_explain_a_quarter(left: float, kept: bool) -> None:
+    """Weigh the density of the process noise that is left, whatever the likelihood gains, and give its share."""
+    against = made(1000.0)
+    tried = replace(made(0.0, "contact_slip"), process_noise=left * against.process_noise)
+    decision = C.decide(Rule.EXPLAIN, tried, against)
+    assert decision.kept is kept
+    assert f"{max(1.0 - left, 0.0):.0%} less process noise" in decision.because
+    assert decision.gain == pytest.approx(C.gain(tried, against))
+
+
 @pytest.mark.parametrize("rule", [rule for rule in Rule if rule not in HELD_OUT])
 def test_every_rule_decides_by_the_settings(rule: Rule) -> None:
     """Keep nothing of small gain where every threshold is infinite, and all of it where they are below."""
     tried = made(99.0, "level_error")
     against = made(100.0)
     evidence = Evidence(winner=tried, holder=against, without=(against,), before=(1.0, 1.0), after=(0.5, 0.5))
-    loose = Settings(keep=-1e9, rival=-1e9, spline_keep=-1e9, pair_penalty=-1e9)
-    strict = Settings(keep=1e9, rival=1e9, spline_keep=1e9, pair_penalty=1e9)
+    loose = Settings(keep=-1e9, rival=-1e9, spline_keep=-1e9, pair_penalty=-1e9, explained_least=-1e9)
+    strict = Settings(keep=1e9, rival=1e9, spline_keep=1e9, pair_penalty=1e9, explained_least=1e9)
     decide: Callable[[Settings], bool] = lambda one: Criterion(one).decide(rule, tried, against, evidence).kept  # noqa: E731
     assert decide(loose) is (rule is not Rule.MERGE)  # which may be behind by the penalty, here a huge lead
     assert decide(strict) is (rule is Rule.MERGE)
