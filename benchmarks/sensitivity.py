@@ -19,14 +19,14 @@ from benchmarks.calibration.trials import Trial, plan
 from harness.identify.problem.settings import DEFAULT, Settings
 
 _DOC, _ROWS = Path("docs/settings.md"), Path("build/calibration/sensitivity.jsonl")
-_NEAR = 0.03  # of the middle size: near the detection limit
+_NEAR = "6 standard errors"
 # Where settings can matter: nothing hidden, sizes near the detection limit, pairs, a cause that no catalogue lists.
 _CHOSEN = (
-    ("null", "none", 0.0, 2),
+    ("null", "none", "0", 2),
     ("power", "rolling_resistance", _NEAR, 1),
     ("power", "channel_delay", _NEAR, 1),
-    ("confusion", "track_curvature + viscous_damping", 1.0, 1),
-    ("confusion", "cubic_drag", 1.0, 1),
+    ("confusion", "track_curvature + viscous_damping", "middle", 1),
+    ("confusion", "cubic_drag", "middle", 1),
 )
 FACTORS = (0.5, 2.0)
 
@@ -34,9 +34,9 @@ FACTORS = (0.5, 2.0)
 def chosen() -> tuple[Trial, ...]:
     """Trials of the plan of the blind trials, the first ones of each kind."""
     picked: list[Trial] = []
-    for study, name, factor, count in _CHOSEN:
+    for study, name, size, count in _CHOSEN:
         found = plan((study,), count=count, seeds=count, only=[name])
-        picked += [one for one in found if one.factor == factor][:count]
+        picked += [one for one in found if one.size == size][:count]
     return tuple(picked)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +13,11 @@ from analytic.models import CUM
 from analytic.rig import Rig
 from benchmarks.calibration.engine_ball import engine_mover
 from benchmarks.calibration.imperfect import kinds
-from benchmarks.calibration.trials import RIG, Trial
+from benchmarks.calibration.sizes import SCALES
+from benchmarks.calibration.trials import RIG, Trial, Values
+from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.recording import load_case
 from harness.simulator import DEFLECTION, Experiment, Record, SimulatedRecording, with_imperfections, write_case
@@ -26,6 +30,7 @@ PIVOT = ECCENTRIC_PIVOT.name
 # A controller's limit lies anywhere within an encoder's count; at 3° it is always a third from 40,000 counts a turn.
 _DEFLECTIONS = (0.95, 1.05)
 _SPIKE = (0.01, 0.06)  # size of a spike [m]
+_SMALL = 0.1  # of the middle size, at which standard errors are taken first
 
 
 def pose(trial: Trial, folder: Path) -> Problem:
@@ -39,6 +44,34 @@ def pose(trial: Trial, folder: Path) -> Problem:
     write_case(folder, experiment, [_spoilt(one, trial.spikes) for one in recordings])
     problem = problem_of(load_case(folder))
     return replace(problem, model=WITHOUT_PIVOT) if PIVOT in trial.hidden else problem
+
+
+def sized(trial: Trial, folder: Path) -> Values:
+    """What a trial hides, at as many standard errors of its main parameter as the trial says (SI).
+
+    The standard error is that of the law that acts, fitted alone to recordings of the same seed, first at a small size
+    and then at the size that follows: it depends on the size where a law is not linear.
+    """
+    ((name, values),) = trial.hidden.items()
+    main, *_ = SCALES[name].middle
+    neutral, middle = SCALES[name].neutral, values
+    for turn in range(2):
+        problem = pose(
+            replace(trial, hidden={name: values if turn else _scaled(name, middle, _SMALL)}), folder / str(turn)
+        )
+        found = fit(problem, Hypothesis((name,)))
+        error = float(found.deviations()[name, main])
+        values = _scaled(name, middle, trial.errors * error / abs(middle[main] - neutral))
+    return {name: values}
+
+
+def _scaled(name: str, middle: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Values at `factor` times those given, of the parameters that grow with the size."""
+    scale = SCALES[name]
+    return {
+        key: scale.neutral + factor * (value - scale.neutral) if key in scale.middle else value
+        for key, value in middle.items()
+    }
 
 
 def experiment_of(trial: Trial) -> Experiment:

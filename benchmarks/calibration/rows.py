@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Any
 
 from benchmarks.calibration.imperfect import says_imperfection, spline_says
-from benchmarks.calibration.trials import Trial
+from benchmarks.calibration.trials import Trial, Values
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES
 
@@ -75,6 +75,7 @@ class Row:
         depends_on: regressor of the spline term; "reading" of one of the position sensor.
         seconds: that the diagnosis took.
         error: text of what went wrong.
+        acted: what was hidden, where that was not known before the trial was posed (SI).
     """
 
     trial: Trial
@@ -84,6 +85,7 @@ class Row:
     depends_on: str | None = None
     seconds: float = math.nan
     error: str | None = None
+    acted: Values = field(default_factory=dict)
 
     @property
     def outcome(self) -> Outcome:
@@ -141,7 +143,7 @@ class Row:
         named = {one.name: one for one in self.named}
         if not self.trial.hidden or not set(self.trial.hidden) <= set(named):
             return
-        for effect, values in self.trial.hidden.items():
+        for effect, values in (self.acted or self.trial.hidden).items():
             for parameter, truth in values.items():
                 value, low, high = named[effect].values[parameter]
                 yield Interval(effect, parameter, value, low, high, truth)
@@ -167,4 +169,4 @@ class Row:
             )
             for one in record["named"]
         )
-        return cls(trial=Trial(**record["trial"]), named=named, **fields)
+        return cls(trial=Trial(**record["trial"]), named=named, acted=record.get("acted", {}), **fields)

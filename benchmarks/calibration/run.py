@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.calibration.imperfect import READING
-from benchmarks.calibration.pose import pose
+from benchmarks.calibration.pose import pose, sized
 from benchmarks.calibration.rows import Named, Row
 from benchmarks.calibration.store import Store
 from benchmarks.calibration.trials import Trial
@@ -27,9 +27,11 @@ def diagnosed(trial: Trial, source: str) -> Row:
     begin = time.monotonic()
     try:
         with tempfile.TemporaryDirectory(prefix="calibration-") as folder:
-            problem = replace(pose(trial, Path(folder) / "case"), settings=trial.settings)
+            acted = sized(trial, Path(folder) / "sizes") if trial.errors else {}
+            posed = pose(replace(trial, hidden=acted or trial.hidden), Path(folder) / "case")
+            problem = replace(posed, settings=trial.settings)
         begin = time.monotonic()
-        return _row(trial, source, identify(problem), time.monotonic() - begin)
+        return replace(_row(trial, source, identify(problem), time.monotonic() - begin), acted=acted)
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         text = f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})"

@@ -185,5 +185,6 @@ POWER = tuple(
         POSITION_LAG,
     )
 )
-"""Effects whose detection is followed down to sizes that go unseen."""
-POWER_FACTORS = (0.01, 0.03, 0.1)
+"""Effects whose detection is followed down to sizes that may go unseen."""
+POWER_ERRORS = (4.0, 6.0)
+"""Their sizes there, in standard errors."""

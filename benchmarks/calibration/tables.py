@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
+import numpy as np
 import pandas as pd
 
 from benchmarks.calibration.imperfect_tables import imperfect_tables
@@ -17,7 +19,8 @@ ELSEWHERE = ("several", "spline term", "nothing")
 
 def tables(rows: Sequence[Row]) -> dict[str, pd.DataFrame]:
     """Every table by the name of its file; empty tables are left out."""
-    clean = [row for row in rows if not row.trial.imperfection]
+    # Where chance decides whether an effect is found, estimates of those that are found are too large.
+    clean = [row for row in rows if not row.trial.imperfection and not row.trial.errors]
     made = {
         "null": null(rows),
         "null_named": null_named(rows),
@@ -106,17 +109,23 @@ def beyond(rows: Iterable[Row]) -> pd.DataFrame:
 
 def power(rows: Iterable[Row]) -> pd.DataFrame:
     """Share of trials in which an effect is found, by effect and size; `rate` counts right, partner and more."""
+    followed = [row for row in rows if row.trial.errors]
     lines = []
-    followed = [row for row in rows if row.trial.study in ("confusion", "power") and row.trial.name in POWER]
-    for effect in POWER:
-        scale, parameter = SCALES[effect], next(iter(SCALES[effect].middle))
-        for factor in sorted({row.trial.factor for row in followed if row.trial.name == effect}):
-            here = [row for row in followed if row.trial.name == effect and row.trial.factor == factor]
-            found = sum(row.outcome.found for row in here)
-            change = abs(scale.at(factor, parameter) - scale.neutral)
-            line = {"effect": effect, "parameter": parameter, "factor": factor, "change": float(f"{change:.6g}")}
+    for errors in sorted({row.trial.errors for row in followed}):
+        sized = [row for row in followed if row.trial.errors == errors]
+        for effect in (*POWER, ALL):
+            here = [row for row in sized if effect in (row.trial.name, ALL)]
+            if not here:
+                continue
+            parameter = ALL if effect == ALL else next(iter(SCALES[effect].middle))
+            line = {"standard_errors": errors, "effect": effect, "parameter": parameter, "cases": len(here)}
+            if effect != ALL:
+                changes = [abs(row.acted[effect][parameter] - SCALES[effect].neutral) for row in here if row.acted]
+                line["median_change"] = float(f"{np.median(changes):.3g}") if changes else math.nan
             nothing = sum(row.outcome is Outcome.NOTHING for row in here)
-            lines.append({**line, "cases": len(here), "nothing": nothing, "found": found, **rate(found, len(here))})
+            found = sum(row.outcome.found for row in here)
+            wrong = sum(bool(row.false_names) for row in here)
+            lines.append({**line, "nothing": nothing, "wrong": wrong, "found": found, **rate(found, len(here))})
     return pd.DataFrame(lines)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from analytic.effects import CATALOGUE, LEVEL_ERROR, ROLLING_RESISTANCE
 from benchmarks.calibration.imperfect import IMPERFECTIONS, names_for
-from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, UNLISTED_SCALES
+from benchmarks.calibration.sizes import PAIRS, POWER, POWER_ERRORS, SCALES, SIZES, UNLISTED_SCALES
 from harness.errors import InputError
 from harness.identify.problem.settings import DEFAULT, Settings
 
@@ -43,6 +43,8 @@ class Trial:
         study: `null`, `confusion`, `power` or `imperfect`.
         name: of what is hidden; `none`, or names joined by " + ".
         factor: its size over the middle one; 0 where nothing is hidden [1].
+        errors: its size in standard errors, to which `hidden` is scaled when the trial is posed; 0 where `hidden` is
+            what acts [1].
         number: counts trials that are alike but for what is drawn.
         plant: `virtual_rig`, or the engine whose scene moves the ball.
         counts: of the encoder per turn.
@@ -68,6 +70,7 @@ class Trial:
     declared: Values
     seed: int
     recordings: int = RECORDINGS
+    errors: float = 0.0
     imperfection: str = ""
     setting: str = ""
     scale: float = 1.0
@@ -83,7 +86,9 @@ class Trial:
 
     @property
     def size(self) -> str:
-        """Name of its size, or its factor."""
+        """Name of its size, or its factor, or standard errors."""
+        if self.errors:
+            return f"{self.errors:g} standard errors"
         return next((name for name, factor in SIZES.items() if factor == self.factor), f"{self.factor:g}")
 
     @property
@@ -145,9 +150,10 @@ def _confusion(seeds: int) -> Iterator[Trial]:
 
 def _power(seeds: int) -> Iterator[Trial]:
     for row, name in enumerate(POWER):
-        for column, factor in enumerate(POWER_FACTORS):
+        for column, errors in enumerate(POWER_ERRORS):
             for number in range(seeds):
-                yield _trial("power", (name,), factor, number, fine=(row + column + number) % 2 == 0)
+                fine = (row + column + number) % 2 == 0
+                yield _trial("power", (name,), 1.0, number, fine=fine, errors=errors)
 
 
 def _imperfect(seeds: int) -> Iterator[Trial]:
@@ -162,11 +168,19 @@ def _imperfect(seeds: int) -> Iterator[Trial]:
 
 
 def _trial(
-    study: str, names: Sequence[str], factor: float, number: int, *, fine: bool, imperfection: str = ""
+    study: str,
+    names: Sequence[str],
+    factor: float,
+    number: int,
+    *,
+    fine: bool,
+    errors: float = 0.0,
+    imperfection: str = "",
 ) -> Trial:
     name = " + ".join(names) or "none"
     # crc32 rather than hash(): the same in every process
     text = f"{study} {name} {factor:g} {number}" + (f" {imperfection}" if imperfection else "")
+    text += f" {errors:g} errors" if errors else ""
     generator = np.random.default_rng((_SEED, zlib.crc32(text.encode())))
     hidden = {each: SCALES[each].drawn(factor, generator) for each in names if each in SCALES}
     unlisted = {each: UNLISTED_SCALES[each].drawn(factor, generator) for each in names if each in UNLISTED_SCALES}
@@ -184,6 +198,7 @@ def _trial(
         declared=_declared(generator, hidden),
         seed=int(generator.integers(2**31)),
         recordings=RECORDINGS if hidden or number % _EVERY else MORE_RECORDINGS,
+        errors=errors,
         imperfection=imperfection,
     )
 

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.calibration.pose import PIVOT, pose
+from benchmarks.calibration.pose import PIVOT, pose, sized
+from benchmarks.calibration.sizes import SCALES
 from benchmarks.calibration.trials import Trial, plan
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.selection.candidates import candidates
 from harness.recording import load_case
 
@@ -50,3 +53,16 @@ def test_spikes_are_there_and_set_aside(tmp_path: Path) -> None:
         assert change[spikes].min() > 0.009
         # a spike next to another may be taken for the ball; most stand alone
         assert np.isnan(record.reading[spikes]).mean() > 0.8
+
+
+@pytest.mark.parametrize("name", ["rolling_radius", "channel_delay"])
+def test_sizes_in_standard_errors_are_those_of_a_fit(name: str, tmp_path: Path) -> None:
+    """Hide as many standard errors as the trial says: a fit of the law to what is recorded has these."""
+    one = next(one for one in plan(["power"], only=[name]) if one.plant == "virtual_rig" and one.errors == 6.0)
+    hidden = sized(one, tmp_path / "sizes")
+    problem = pose(replace(one, hidden=hidden), tmp_path / "case")
+    error = fit(problem, Hypothesis((name,))).deviations()[name, next(iter(SCALES[name].middle))]
+    ((parameter, value),) = hidden[name].items()
+    # the standard error is taken at a size that is not yet the last one: a tenth
+    assert abs(value - SCALES[name].neutral) / error == pytest.approx(6.0, rel=0.1)
+    assert np.sign(value - SCALES[name].neutral) == np.sign(one.hidden[name][parameter] - SCALES[name].neutral)

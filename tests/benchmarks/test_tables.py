@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from benchmarks.calibration.rows import Outcome, Row
 from benchmarks.calibration.statistics import ALL, rate
 from benchmarks.calibration.tables import tables
 from benchmarks.calibration.targets import targets
+from benchmarks.calibration.trials import plan
 from tests.benchmarks.made import SOURCE, committed, named, row, trial
 
 DAMPED = [
@@ -112,16 +114,26 @@ def test_wilson() -> None:
     assert math.isnan(rate(0, 0)["rate"])
 
 
-def test_power_against_size() -> None:
-    """Give the rate at each size, with the parameter's change from where nothing acts."""
+def test_power_against_standard_errors() -> None:
+    """Give the rate at four and six standard errors, the change of the parameter that acted, and what is wrong."""
+    four, six = (
+        [one for one in plan(["power"], seeds=2, only=["angle_gain"]) if one.errors == errors] for errors in (4.0, 6.0)
+    )
+    acted = [{"angle_gain": {"gain": value}} for value in (1.002, 0.996)]
     rows = [
-        row(trial("confusion", "angle_gain", 0, size="small")),
-        row(trial("confusion", "angle_gain", 1, size="small"), named("angle_gain")),
-        row(trial("confusion", "angle_gain", 0, size="large"), named("position_gain", rivals=["angle_gain"])),
+        replace(row(four[0]), acted=acted[0]),
+        replace(row(four[1], named("angle_gain")), acted=acted[1]),
+        replace(row(six[0], named("position_gain", rivals=["angle_gain"])), acted=acted[0]),
+        replace(row(six[1], named("level_error")), acted=acted[1]),
     ]
-    power = tables(rows)["power"].set_index("factor")
-    assert power["rate"].to_dict() == {0.3: 0.5, 2.0: 1.0}
-    assert power["change"].to_dict() == {0.3: pytest.approx(0.015), 2.0: pytest.approx(0.1)}
+    power = tables(rows)["power"]
+    of_one = power[power["effect"] == "angle_gain"].set_index("standard_errors")
+    assert of_one["rate"].to_dict() == {4.0: 0.5, 6.0: 0.5}
+    assert of_one["nothing"].to_dict() == {4.0: 1, 6.0: 0}
+    assert of_one["wrong"].to_dict() == {4.0: 0, 6.0: 1}
+    assert of_one["median_change"].to_dict() == {4.0: pytest.approx(0.003), 6.0: pytest.approx(0.003)}
+    assert power[power["effect"] == "all"]["cases"].to_list() == [2, 2]
+    assert "coverage" not in tables(rows)  # of what chance lets be seen
 
 
 def test_failures_are_shown(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from analytic.effects import CATALOGUE, acting
 from benchmarks.calibration.pose import experiment_of
-from benchmarks.calibration.sizes import PAIRS, POWER, POWER_FACTORS, SCALES, SIZES, SPREAD, UNLISTED_SCALES
+from benchmarks.calibration.sizes import PAIRS, POWER, POWER_ERRORS, SCALES, SIZES, SPREAD, UNLISTED_SCALES
 from benchmarks.calibration.trials import NULL_TRIALS, SEEDS, in_engines, plan
 from harness.errors import InputError
 from harness.identify.problem.settings import DEFAULT
@@ -91,11 +91,13 @@ def test_sizes_do_not_overlap(name: str) -> None:
             assert abs(factor / one.factor - 1.0) < SPREAD + 1e-3
 
 
-def test_power_goes_below_the_smallest_size() -> None:
-    """Follow the main effects down to sizes below the small one."""
-    tried = Counter((one.name, one.factor) for one in PLAN if one.study == "power")
-    assert tried == Counter({(name, factor): SEEDS for name in POWER for factor in POWER_FACTORS})
-    assert max(POWER_FACTORS) < min(SIZES.values())
+def test_power_is_tried_at_sizes_in_standard_errors() -> None:
+    """Follow the main effects at four and six standard errors, with names of their own."""
+    power = [one for one in PLAN if one.study == "power"]
+    tried = Counter((one.name, one.errors) for one in power)
+    assert tried == Counter({(name, errors): SEEDS for name in POWER for errors in POWER_ERRORS})
+    assert {one.size for one in power} == {"4 standard errors", "6 standard errors"}
+    assert not any(one.errors for one in PLAN if one.study != "power")
 
 
 def test_signs_are_both_tried() -> None:
