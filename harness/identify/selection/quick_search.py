@@ -84,8 +84,10 @@ def on_all_readings(
         base, first: as for `without_stepwise`.
         ledger: records whether it explains enough.
     """
-    progress(f"fit: {' + '.join(quick.found.hypothesis.names)}")
-    found = min(first, _refitted(problem, quick.found), key=Criterion(problem.settings).value)
+    found = first
+    if quick.found.refined != first.hypothesis:
+        progress(f"fit: {' + '.join(quick.found.hypothesis.names)}")
+        found = min(first, _refitted(problem, quick.found), key=Criterion(problem.settings).value)
     if quick.spline or found.hypothesis == base.hypothesis:
         return found
     return found if ledger.decide(Rule.EXPLAIN, found, base, selected_effects(problem, found)) else base
