@@ -78,7 +78,8 @@ class _Search:
     def jointly(self, base: Fit, found: Fit) -> tuple[Fit, Fit | None]:
         """The base, and the best of the subsets of effects that are common on measured rigs and the terms of `found`.
 
-        If none is surely better than the base, `None`, or the base itself if `found` predicts worse than it.
+        What explained too little to be selected by likelihood is weighed where `found` has no terms. If nothing is
+        surely better than the base, `None`, or the base itself if `found` predicts worse than it.
         """
         problem = self.problem
         first = self._fitted([(base.hypothesis, base)])[0]
@@ -99,16 +100,21 @@ class _Search:
             for one in fitted:
                 subset = frozenset(selected_effects(problem, one.fit))
                 fits[subset] = self._better(one, fits.get(subset))
-        selected = self._fitted([(found.refined, found)] if len(found.theta) > len(base.theta) else [])
-        terms = self._validated([one.fit for one in selected])
+        selected = found.hypothesis != base.hypothesis
+        weighed = [found] if selected else self._unexplaining()
+        terms = self._validated([one.fit for one in self._fitted([(one.refined, one) for one in weighed])])
         sets = [one for subset, one in fits.items() if subset and not _vanished(problem, one.fit)]
-        sets = [one for one in sets if one.fit.hypothesis != found.hypothesis]
+        sets = [one for one in sets if one.fit.hypothesis not in [each.hypothesis for each in weighed]]
         others = self._validated([one.fit for one in self._best_of_each_size(sets)])
         best = self._decided(Rule.JOINT, [*terms, *others], plain, tests=len(terms) + len(sets))
-        if best is not None or not terms:
+        if best is not None or not (selected and terms):
             return plain, best
         kept = self.ledger.decide(Rule.VALIDATE, terms[0], plain, _added(terms[0], plain))
         return plain, None if kept else plain
+
+    def _unexplaining(self) -> list[Fit]:
+        """What was not selected by likelihood because it explains too little."""
+        return [line.fit for line in self.ledger.lines if line.rule is Rule.EXPLAIN and not line.kept]
 
     def restores(self, found: Fit, best: Fit) -> bool:
         """Whether the spline term of `found` is returned to, whose values free runs over a few windows do not find."""
