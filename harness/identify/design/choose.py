@@ -22,9 +22,9 @@ from harness.identify.design.proposal import NOTHING, Proposal, Separation
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import in_threads
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.ledger import Line
+from harness.threads import in_threads
 
 _ROUNDS, _REFINED = 3, 3  # Gauss–Newton steps for the best motions, and number of these; one step for the others
 _WORTH = 0.5  # smallest gain of a separation that counts [σ]: expected and reached separations differ as much

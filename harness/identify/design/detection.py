@@ -21,9 +21,10 @@ from harness.identify.design.signature import Reference, Signature
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import candidates, hidden_by, in_threads
+from harness.identify.selection.candidates import candidates, hidden_by
 from harness.numerics import evenly_chosen
 from harness.progress import Progress, silent
+from harness.threads import in_threads
 
 ALIKE = 0.95
 """Correlation of the signatures of two effects from which they are told apart badly [1]."""

@@ -16,8 +16,8 @@ from harness.identify.filter.residuals import Residuals
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import PHASE, Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.candidates import in_threads
 from harness.identify.selection.criterion import Criterion
+from harness.threads import in_threads
 
 _RATIO, _ABOVE = 5.0, 5  # of neighbouring process noises; number of these above the fitted one
 _ROUNDS, _EXACT = 8, 0.03  # secant steps for the size, and the relative error of the gain at which they end

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -21,6 +19,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
 from harness.progress import Progress
+from harness.threads import in_threads
 
 _FEW = 2  # effects that may explain a recording; more of them may imitate one law that is not listed
 _S = TypeVar("_S")
@@ -253,9 +252,3 @@ def fitted_each(
         return attempt(failures, Part.CANDIDATE, title(argument), lambda: [(argument, checked(argument))], [])
 
     return [pair for pairs in in_threads(tried, arguments) for pair in pairs]
-
-
-def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:
-    """`map` in threads, results in order; threads suffice because the compiled filter releases the global lock."""
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(function, arguments))
