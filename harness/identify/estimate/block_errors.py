@@ -16,6 +16,7 @@ from harness.identify.estimate.window_errors import tuned_to_windows, window_err
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import Block, Window, blocks_of
 from harness.numerics import rms
+from harness.threads import in_threads
 
 Groups = list[tuple[tuple[Window, ...], list[Block]]]
 """Windows to fit to, and the blocks that are held out together."""
@@ -36,7 +37,12 @@ def group_fits(problem: Problem, whole: Fit) -> list[tuple[Fit, list[Block]]]:
     Args:
         whole: the fit to all recordings.
     """
-    return [(_fit_without(problem, whole, fitted, blocks), blocks) for fitted, blocks in groups_of(problem.recordings)]
+
+    def without(group: tuple[tuple[Window, ...], list[Block]]) -> tuple[Fit, list[Block]]:
+        fitted, blocks = group
+        return _fit_without(problem, whole, fitted, blocks), blocks
+
+    return in_threads(without, groups_of(problem.recordings))
 
 
 def block_errors(problem: Problem, whole: Fit) -> FloatArray:

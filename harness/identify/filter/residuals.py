@@ -9,6 +9,7 @@ from harness.identify.filter.ekf import negative_two_log_likelihood, penalty
 from harness.identify.filter.run import innovations, innovations_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.threads import in_threads
 
 
 class Residuals:
@@ -22,11 +23,11 @@ class Residuals:
 
     def _predicted(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Innovations [m] and their variances [m²], shape (readings,) each; cached for the latest θ."""
-        key = theta.tobytes()
-        if self._latest is None or self._latest[0] != key:
+        key, latest = theta.tobytes(), self._latest
+        if latest is None or latest[0] != key:
             at = self._hypothesis.terms(theta, self._problem)
-            self._latest = key, *innovations(self._problem, at, self.process_noise)
-        return self._latest[1:]
+            latest = self._latest = key, *innovations(self._problem, at, self.process_noise)
+        return latest[1:]
 
     def at(self, theta: FloatArray) -> FloatArray:
         """Residuals sign(z) √ρ(z) of the normalised innovations z, shape (readings,)."""
@@ -40,15 +41,19 @@ class Residuals:
         """Jacobian of `at` by forward differences over `step`, shape (k,) or one for all; shape (readings, k)."""
         here = self.at(theta)
         inside = (theta + step <= self._highest) & (theta + step >= self._lowest)
-        moves = np.diag(np.where(inside, step, -step))
-        return np.column_stack([self._rise(theta, theta + moves[i], i, here) / moves[i, i] for i in range(len(theta))])
+        moves = np.where(inside, step, -step)
+        ends = list(enumerate(theta + np.diag(moves)))
+        return np.column_stack(in_threads(lambda end: self._rise(theta, end[1], end[0], here), ends)) / moves
 
     def jacobian_over(self, theta: FloatArray, reach: FloatArray) -> FloatArray:
         """Jacobian of `at` by differences over ± `reach`, shape (k,), within the bounds; shape (readings, k)."""
         low, high = np.maximum(theta - reach, self._lowest), np.minimum(theta + reach, self._highest)
         axes = np.eye(len(theta), dtype=bool)
-        rises = [self._rise(np.where(axis, low, theta), np.where(axis, high, theta), i) for i, axis in enumerate(axes)]
-        return np.column_stack(rises) / (high - low)
+
+        def rise(number: int) -> FloatArray:
+            return self._rise(np.where(axes[number], low, theta), np.where(axes[number], high, theta), number)
+
+        return np.column_stack(in_threads(rise, range(len(theta)))) / (high - low)
 
     def _rise(self, start: FloatArray, end: FloatArray, number: int, here: FloatArray | None = None) -> FloatArray:
         """Change of `at` between two θ that differ in the parameter of this number, shape (readings,).

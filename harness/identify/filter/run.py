@@ -15,9 +15,6 @@ from harness.identify.filter.arguments import BeamTable, FilterOutput, Memory, R
 from harness.identify.filter.ekf import extended_kalman_filter, negative_two_log_likelihood
 from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
-from harness.threads import in_threads
-
-_MANY = 10_000  # steps of the integration from which recordings are filtered side by side
 
 
 @dataclass(frozen=True)
@@ -188,8 +185,7 @@ def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slic
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
     """Innovations of all recordings and their variances, shape (readings,) each [m], [m²], at a density [m²/s³]."""
-    run = map if problem.steps < _MANY else in_threads  # which takes some tenths of a millisecond by itself
-    each = list(run(lambda one: innovations_of(problem, one, added, process_noise), problem.recordings))
+    each = [innovations_of(problem, one, added, process_noise) for one in problem.recordings]
     innovation, variance = zip(*each, strict=True)
     return np.concatenate(innovation), np.concatenate(variance)
 

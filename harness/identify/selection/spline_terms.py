@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -20,12 +21,13 @@ from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
-from harness.identify.problem.windows import folds
+from harness.identify.problem.windows import Fold, folds
 from harness.identify.selection.candidates import fitted_each, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.period import period_of
 from harness.progress import Progress
+from harness.threads import in_threads
 
 # Process noise of a held-out recording over that of all without and with the spline term: where the ball comes to
 # places that the others did not visit, a spline term leaves as much unexplained as none.
@@ -157,15 +159,19 @@ def held_out_deviances(
     """Deviance of each recording by fits without its fold, without and with the spline term; empty for a single one."""
     if len(problem.recordings) == 1:
         return (), ()
-    before: list[float] = []
-    after: list[float] = []
     densities = np.outer((found.process_noise, best.process_noise), _NOISE_RATIOS).ravel()
-    for fold in folds(problem):
+
+    def held_out(fold: Fold) -> list[tuple[float, ...]]:
         progress(f"spline term: {fold.title} held out")
-        for full, deviances in ((found, before), (best, after)):
-            refit = fit(fold.problem, full.refined, process_noise=full.process_noise, initial=full.values())
-            deviances += [_held_out_deviance(fold.problem, refit, recording, densities) for recording in fold.left]
-    return tuple(before), tuple(after)
+        fits = [
+            fit(fold.problem, full.refined, process_noise=full.process_noise, initial=full.values())
+            for full in (found, best)
+        ]
+        return [tuple(_held_out_deviance(fold.problem, one, each, densities) for one in fits) for each in fold.left]
+
+    deviances = itertools.chain.from_iterable(in_threads(held_out, folds(problem)))
+    before, after = zip(*deviances, strict=True)
+    return before, after
 
 
 def _held_out_deviance(problem: Problem, fitted: Fit, recording: PreparedRecording, densities: FloatArray) -> float:
