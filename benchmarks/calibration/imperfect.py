@@ -1,8 +1,9 @@
 """What a right answer is where nothing is wrong with the ball but something is with its record.
 
 - An effect of the catalogue that says what the imperfection does is a right name, not a false positive: a position
-  that is late, by whatever, is a delay or lag of positive size; a wandering zero is a level that drifts, or, by its
-  mean, a level error, or a force that depends on time.
+  that is late, by whatever, is a delay or lag of positive size; a command is also held between samples; a wandering
+  zero is a level that drifts, or, by its mean, a level error, or one of each recording, or a force that depends on
+  time.
 - So is a spline term of the position sensor where its track is worn.
 - Everything else that is named is a false positive, whatever it may imitate: no force comes from a worn track, a
   spike, an error of a stamp or coloured noise.
@@ -15,7 +16,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from analytic.effects import CHANNEL_DELAY, LEVEL_ERROR, POSITION_LAG
+from analytic.effects import (
+    ANGLE_HOLD,
+    ANGLE_LAG,
+    CHANNEL_DELAY,
+    LEVEL_DRIFT,
+    LEVEL_ERROR,
+    LEVEL_PER_RECORDING,
+    POSITION_LAG,
+)
 from harness.simulator import KINDS, kinds_of
 
 SEVERAL = "several"
@@ -25,16 +34,16 @@ IMPERFECTIONS = (*KINDS, SEVERAL)
 READING = "reading"
 """What a spline term of the position sensor depends on: an error by the recorded position."""
 
-_LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, "angle_lag"})
-_ZERO = frozenset({LEVEL_ERROR.name, "level_drift"})
+_LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, ANGLE_LAG.name})
+_ZERO = frozenset({LEVEL_ERROR.name, LEVEL_DRIFT.name, LEVEL_PER_RECORDING.name})
 
 NAMED_BY: Mapping[str, frozenset[str]] = {
     "sensor_lag": _LATE,
     "dropouts": _LATE,  # a repeated reading is late
-    "commanded_angle": _LATE,
+    "commanded_angle": _LATE | {ANGLE_HOLD.name},
     "zero_drift": _ZERO,
 }
-"""Effects that say what the imperfection does, whether or not the catalogue has them; by its kind."""
+"""Effects that say what the imperfection does, by its kind."""
 _SPLINES = {"zero_drift": "time", "worn_track": READING}  # what a spline term depends on that says it
 
 

@@ -19,10 +19,11 @@ SECTIONS: tuple[tuple[str, str, str], ...] = (
         "Imperfect records: false positives",
         "Only known effects act, but the record is imperfect in one way, or in several. Said: the effect that says "
         "what the imperfection does is named (a delay or lag of positive size where the position is late by a lag, by "
-        "repeated readings or by a servo whose command is recorded; a level or level drift, or a spline term of time, "
-        "where the zero of the angle wanders; a spline term of the position sensor where its track is worn), which is "
-        "right, as naming nothing is. False: anything else, whatever it "
-        "imitates. Undecided: `not_identifiable`, neither right nor false; the rate is of the decided ones.",
+        "repeated readings or by a servo whose command is recorded, or there an angle that is held; a level, of all or "
+        "of each recording, a level drift, or a spline term of time, where the zero of the angle wanders; a spline "
+        "term of the position sensor where its track is worn), which is right, as naming nothing is. Held angles and "
+        "levels of each recording were added to this list when these trials had named them. False: anything else, "
+        "whatever it imitates. Undecided: `not_identifiable`, neither right nor false; the rate is of the decided ones.",
     ),
     (
         "imperfect_named",
