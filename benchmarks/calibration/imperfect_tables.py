@@ -23,7 +23,8 @@ SECTIONS: tuple[tuple[str, str, str], ...] = (
         "of each recording, a level drift, or a spline term of time, where the zero of the angle wanders; a spline "
         "term of the position sensor where its track is worn), which is right, as naming nothing is. Held angles and "
         "levels of each recording were added to this list when these trials had named them. False: anything else, "
-        "whatever it imitates. Undecided: `not_identifiable`, neither right nor false; the rate is of the decided ones.",
+        "whatever it imitates. Undecided: `not_identifiable`, neither right nor false; the rate is of the decided "
+        "ones.",
     ),
     (
         "imperfect_named",
