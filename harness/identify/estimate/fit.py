@@ -187,7 +187,8 @@ def _fit_from(
             method="bounded",
             options={"xatol": 0.1},
         )
-        if float(optimum.fun) > before:  # least squares at a fixed process noise do not count what variances cost
+        # Least squares at a fixed process noise do not count what variances cost.
+        if float(optimum.fun) > before + problem.settings.converged:
             theta, slopes, process_noise, deviance = previous
             break
         process_noise, deviance = math.exp(optimum.x), float(optimum.fun)
