@@ -119,11 +119,10 @@ def _fit_from_coarse(
     near = {id(one) for one in ranked[:count] if not one.abandoned and criterion.gain(one, begin) >= least}
 
     def finish(one: Fit) -> Fit:
-        evaluated = _evaluated(problem, one)
         if id(one) not in near:
-            return evaluated
+            return _evaluated(problem, one)
         progress(f"fit: {' + '.join(one.hypothesis.names)}")
-        return fit(problem, one.refined, process_noise=one.process_noise, starts=[evaluated.theta])
+        return fit(problem, one.refined, process_noise=one.process_noise, initial=one.values())
 
     def title(one: Fit) -> str:
         return " + ".join(one.hypothesis.names)
