@@ -69,7 +69,12 @@ def explained_by_few(problem: Problem, found: Fit) -> bool:
 
 def refitted(problem: Problem, names: tuple[str, ...], base: Fit) -> Fit:
     """A fit of these effects, started from the values of `base`."""
-    return fit(problem, Hypothesis(names), process_noise=base.process_noise, initial=base.values())
+    return fitted_from(problem, base, Hypothesis(names))
+
+
+def fitted_from(problem: Problem, one: Fit, hypothesis: Hypothesis) -> Fit:
+    """A hypothesis fitted to the readings of `problem`, started from the values and the process noise of a fit."""
+    return fit(problem, hypothesis, process_noise=one.process_noise, initial=one.values())
 
 
 def fit_candidates(
@@ -114,7 +119,7 @@ def _fit_from_coarse(
     )
     ranked = _fit_candidates(coarse, begin, progress, excluding, replacing, failures)
     least = criterion.gain(ranked[0], begin) * (1.0 - _NEAR_BEST) if ranked else 0.0
-    bare = fit(coarse, base.refined, process_noise=base.process_noise, initial=base.values()) if ranked else begin
+    bare = fitted_from(coarse, base, base.refined) if ranked else begin
     count = _FITTED if any(criterion.explains(one, bare) for one in ranked) else 1
     near = {id(one) for one in ranked[:count] if not one.abandoned and criterion.gain(one, begin) >= least}
 
@@ -122,7 +127,7 @@ def _fit_from_coarse(
         if id(one) not in near:
             return _evaluated(problem, one)
         progress(f"fit: {' + '.join(one.hypothesis.names)}")
-        return fit(problem, one.refined, process_noise=one.process_noise, initial=one.values())
+        return fitted_from(problem, one, one.refined)
 
     def title(one: Fit) -> str:
         return " + ".join(one.hypothesis.names)

@@ -17,7 +17,13 @@ from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import windows_of
-from harness.identify.selection.candidates import explained_by_few, fit_candidates, is_seen_in_coarse, selected_effects
+from harness.identify.selection.candidates import (
+    explained_by_few,
+    fit_candidates,
+    fitted_from,
+    is_seen_in_coarse,
+    selected_effects,
+)
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import with_spline_term
@@ -69,7 +75,7 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
     found = with_spline_term(coarse, bare, effects, ledger, progress)
     if found.hypothesis.spline is not None and found.root_process_noise < _MUCH * effects.root_process_noise:
         listed = Hypothesis(found.hypothesis.names)
-        return QuickSearch(_fitted_from(coarse, found, listed), spline=True)
+        return QuickSearch(fitted_from(coarse, found, listed), spline=True)
     little = left > _MUCH * bare.root_process_noise and _predicts_poorly(coarse, found)
     return QuickSearch(found, spline=False) if little and coarse.readings >= problem.settings.given_up_from else None
 
@@ -95,11 +101,7 @@ def on_all_readings(
 
 def _refitted(problem: Problem, one: Fit) -> Fit:
     """The same hypothesis, fitted to other readings from its values."""
-    return _fitted_from(problem, one, one.refined)
-
-
-def _fitted_from(problem: Problem, one: Fit, hypothesis: Hypothesis) -> Fit:
-    return fit(problem, hypothesis, process_noise=one.process_noise, initial=one.values())
+    return fitted_from(problem, one, one.refined)
 
 
 def _explains(problem: Problem, found: Fit) -> bool:

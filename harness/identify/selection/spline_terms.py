@@ -22,7 +22,7 @@ from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import fitted_each, selected_effects
+from harness.identify.selection.candidates import fitted_each, fitted_from, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.period import period_of
@@ -163,10 +163,7 @@ def held_out_deviances(
 
     def held_out(fold: Fold) -> list[tuple[float, ...]]:
         progress(f"spline term: {fold.title} held out")
-        fits = [
-            fit(fold.problem, full.refined, process_noise=full.process_noise, initial=full.values())
-            for full in (found, best)
-        ]
+        fits = [fitted_from(fold.problem, full, full.refined) for full in (found, best)]
         return [tuple(_held_out_deviance(fold.problem, one, each, densities) for one in fits) for each in fold.left]
 
     deviances = itertools.chain.from_iterable(in_threads(held_out, folds(problem)))

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from analytic.motion import FloatArray
+from harness.identify.estimate import fit as module
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.screening import screen
@@ -119,3 +122,23 @@ def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_pa
     (screened,) = screen(problem, hypothesis, base.process_noise, {}, without=base.deviance)
     # What a true zero gains is chi-squared with one degree of freedom: 6.6 in 99 %.
     assert abs(base.deviance - screened.deviance) < 6.6
+
+
+def test_a_fit_that_least_squares_made_worse_is_returned_to(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give what the first alternation found, with its Jacobian, where the second ends 10 % off."""
+    found = module._least_squares
+    numbers: list[bool] = []
+
+    def spoilt(*arguments: Any, first: bool) -> tuple[FloatArray, FloatArray]:
+        theta, slopes = found(*arguments, first=first)
+        numbers.append(first)
+        return (theta if first else 1.1 * theta), slopes
+
+    hypothesis = Hypothesis(("rolling_radius",))
+    once = fit(plain.problem, hypothesis, rounds=1)
+    monkeypatch.setattr(module, "_least_squares", spoilt)
+    again = fit(plain.problem, hypothesis)
+    assert numbers == [True, False]
+    np.testing.assert_array_equal(again.theta, once.theta)
+    np.testing.assert_array_equal(again.covariance, once.covariance)
+    assert (again.deviance, again.process_noise) == (once.deviance, once.process_noise)

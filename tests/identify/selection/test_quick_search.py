@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import fit
+from harness.identify.filter.run import deviance
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -57,7 +58,7 @@ def test_coarse_data_that_are_all_data_are_not_searched_first(shaken: Problem) -
 
 
 def test_where_little_can_be_explained_one_round_is_enough(shaken: Problem) -> None:
-    """Weigh each candidate on all readings, once, and what is best by what it explains."""
+    """Weigh each candidate on all readings, once, and what is best by what it explains; return a fit to all of them."""
     ledger = Ledger(Criterion(shaken.settings))
     base = fit(shaken, Hypothesis(()))
     first = first_round(shaken, base, ledger, lambda _: None).kept or base
@@ -68,9 +69,11 @@ def test_where_little_can_be_explained_one_round_is_enough(shaken: Problem) -> N
     added = [line for line in ledger.lines if line.rule is Rule.ADD]
     assert {line.title for line in added} == set(candidates(shaken))
     assert all(line.fit.readings == shaken.readings for line in added)
-    weighed = [line for line in ledger.lines if line.rule is Rule.EXPLAIN]
-    assert len(weighed) <= 1
-    assert best is base or (weighed[0].kept and ledger.criterion.explains(best, base))
+    (weighed,) = (line for line in ledger.lines if line.rule is Rule.EXPLAIN)
+    assert ledger.criterion.value(weighed.fit) <= ledger.criterion.value(first)
+    assert weighed.kept is bool(weighed.fit.process_noise < 0.75 * base.process_noise)
+    assert best is (weighed.fit if weighed.kept else base)
+    assert best.deviance == pytest.approx(deviance(shaken, best.terms, best.process_noise), rel=1e-9)
 
 
 def test_what_gains_much_and_explains_little_is_not_kept(shaken: Problem) -> None:
