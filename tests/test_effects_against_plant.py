@@ -78,6 +78,7 @@ def test_a_ball_that_slides_is_also_resisted_in_rolling(grip: float, rolling: fl
 # Effects that act between the measured angle and the ball's equation.
 TURNING = {
     "angle_lag": {"time_constant": 0.15},
+    "angle_servo": {"lag": 0.15, "damping": 0.5},
     "angle_nonlinearity": {"square": 0.6, "cube": 4.0},
     "angle_hold": {"interval": 0.1234},
 }

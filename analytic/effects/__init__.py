@@ -16,6 +16,7 @@ from analytic.effects.drive import (
     ANGLE_HOLD,
     ANGLE_LAG,
     ANGLE_NONLINEARITY,
+    ANGLE_SERVO,
     LINKAGE_BACKLASH,
     beam_in_play,
 )
@@ -46,6 +47,7 @@ __all__ = [
     "ANGLE_HOLD",
     "ANGLE_LAG",
     "ANGLE_NONLINEARITY",
+    "ANGLE_SERVO",
     "BALL_IMBALANCE",
     "BEAM_COMPLIANCE",
     "CATALOGUE",

@@ -1,4 +1,4 @@
-"""Effects between the measured angle and the beam's: a gain error, a curve, backlash, steps, a lag."""
+"""Effects between the measured angle and the beam's: a gain error, a curve, backlash, steps, lags."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from analytic.compiled import njit
 from analytic.effects.effect import Effect, Relations, Transmission
 from analytic.effects.following import CurvedMotion, held, lagged
 from analytic.effects.parameter import Parameter
+from analytic.effects.sensor import CHANNEL_DELAY
+from analytic.effects.servo import behind_servo
 from analytic.effects.source_code import Code
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
@@ -133,6 +135,20 @@ ANGLE_LAG = Effect(
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
     relations=Relations(once=True),
 )
+ANGLE_SERVO = Effect(
+    "angle_servo",
+    "the beam follows the recorded angle, or command, as (T/2ζ)² β̈ + T β̇ + β = α",
+    (
+        Parameter("lag", "s", 0.0, 1.0, 0.1, starts=(0.05,), strength=True, shown=("ms", 1e3), usual=(0.0, 1.0)),
+        # below, a step of the command swings for seconds; above, `angle_lag` says the same
+        Parameter("damping", "1", 0.05, 5.0, 0.8, starts=(0.8,), fitted=lambda _, rig: (0.2, 2.0)),
+    ),
+    "position servo of second order: Franklin, Powell, Emami-Naeini, Feedback Control of Dynamic Systems, chapter 3",
+    turn=lambda motion, stamps, values: behind_servo(motion, stamps, values["lag"], values["damping"]),
+    code=Code(stage="servo"),
+    phrase="a servo that follows the recorded angle {lag} late, with a damping ratio of {damping}",
+    relations=Relations(once=True, splits_into=(ANGLE_LAG, CHANNEL_DELAY)),
+)
 ANGLE_NONLINEARITY = Effect(
     "angle_nonlinearity",
     "beam angle = α + square α² + cube α³ of the measured angle α",
@@ -159,4 +175,4 @@ ANGLE_HOLD = Effect(
     relations=Relations(once=True),
 )
 
-DRIVE = (ANGLE_GAIN, ANGLE_NONLINEARITY, LINKAGE_BACKLASH, ANGLE_HOLD, ANGLE_LAG)
+DRIVE = (ANGLE_GAIN, ANGLE_NONLINEARITY, LINKAGE_BACKLASH, ANGLE_HOLD, ANGLE_LAG, ANGLE_SERVO)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
@@ -16,6 +17,17 @@ from analytic.quintic import QuinticMotion, through
 _LEAST = 1e-6  # of a lag [s]: at 1 rad/s below any encoder's count, and far from where rounding matters
 _ROUNDED = 1e-3  # of a lag [s], below which rounding is felt in differences over it
 _DEGREE = 5  # of the motion between stamps
+
+
+def settled(base: QuinticMotion, series: Sequence[float]) -> PPoly:
+    """Σ c_j α^(j) of each piece of a motion, `series` c_0 … c_5 [s^j]: what follows it in the long run [rad]."""
+    c = base.spline.c
+    total = series[0] * c
+    for power in range(_DEGREE + 1):  # of t − t_k in the term to which derivatives of higher powers contribute
+        for order in range(1, _DEGREE - power + 1):
+            factor = factorial(power + order) / factorial(power) * series[order]
+            total[_DEGREE - power] += factor * c[_DEGREE - power - order]
+    return PPoly(total, base.time)
 
 
 @dataclass(frozen=True)
@@ -36,13 +48,7 @@ class LaggedMotion:
     @cached_property
     def _settled(self) -> PPoly:
         """Σ (−T)^j α^(j) of each piece."""
-        c = self.base.spline.c
-        settled = np.array(c)
-        for power in range(_DEGREE + 1):  # of t − t_k in the term to which derivatives of higher powers contribute
-            for order in range(1, _DEGREE - power + 1):
-                factor = factorial(power + order) / factorial(power) * (-self.constant) ** order
-                settled[_DEGREE - power] += factor * c[_DEGREE - power - order]
-        return PPoly(settled, self.base.time)
+        return settled(self.base, [(-self.constant) ** order for order in range(_DEGREE + 1)])
 
     @cached_property
     def _left(self) -> FloatArray:

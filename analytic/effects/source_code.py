@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Stage = Literal["gain", "curve", "play", "hold", "lag", "drift"]
+Stage = Literal["gain", "curve", "play", "hold", "lag", "servo", "drift"]
 """What stands between the measured angle and the beam's, in the templates of `harness.exports`."""
 Inner = Literal["slip", "dahl"]
 """An internal state w of the ball: its slip velocity [m/s], or the pull of a Dahl friction [m/s²]."""

@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from analytic.effects import (
     ANGLE_HOLD,
     ANGLE_LAG,
+    ANGLE_SERVO,
     CHANNEL_DELAY,
     LEVEL_DRIFT,
     LEVEL_ERROR,
@@ -34,7 +35,7 @@ IMPERFECTIONS = (*KINDS, SEVERAL)
 READING = "reading"
 """What a spline term of the position sensor depends on: an error by the recorded position."""
 
-_LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, ANGLE_LAG.name})
+_LATE = frozenset({CHANNEL_DELAY.name, POSITION_LAG.name, ANGLE_LAG.name, ANGLE_SERVO.name})
 _ZERO = frozenset({LEVEL_ERROR.name, LEVEL_DRIFT.name, LEVEL_PER_RECORDING.name})
 
 NAMED_BY: Mapping[str, frozenset[str]] = {

@@ -91,6 +91,8 @@ def _linear_answer(effect: Effect) -> tuple[bool, str]:
         return True, "as a lag of half its interval, which is right to first order in frequency"
     if code.stage == "lag":
         return True, "as a state"
+    if code.stage == "servo":
+        return True, "as two states"
     if effect.turning:
         return True, "by its slope for a ball whose rolled angle is 0 at position 0"
     return True, "by its derivatives at the operating point"

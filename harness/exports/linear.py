@@ -168,9 +168,11 @@ def _linear(model: ExportModel, effects: Sequence[Acting], point: Point) -> Line
             gain *= 1.0 + beam * (2.0 * square + 3.0 * cube * beam)
             beam *= 1.0 + beam * (square + cube * beam)
         elif stage == "lag":
-            lags.append(values[0])
+            lags.append((values[0], 0.0))
+        elif stage == "servo":
+            lags.append((values[0], (0.5 * values[0] / values[1]) ** 2))
         elif stage == "hold":
-            lags.append(0.5 * values[0])
+            lags.append((0.5 * values[0], 0.0))
             left.append(f"{one.effect.name}: the mean over T stands as a lag of T/2, right to first order in frequency")
         elif stage is not None:
             left.append(f"{one.effect.name}: {one.effect.law}; no linear time-invariant model has it")
@@ -187,7 +189,7 @@ def _linear(model: ExportModel, effects: Sequence[Acting], point: Point) -> Line
         point,
         slopes,
         gain,
-        [one for one in lags if one > 0.0],
+        [one for one in lags if one[0] > 0.0],
         sensor.lag,
         float(sensor.slope(np.array(point.position))),
         _of(at, p),
@@ -206,29 +208,39 @@ def _assembled(
     point: Point,
     slopes: FloatArray,
     gain: float,
-    lags: Sequence[float],
+    lags: Sequence[tuple[float, float]],
     sensor_lag: float,
     sensor_gain: float,
     offset: float,
     delay: float,
     left: Sequence[str],
 ) -> Linear:
-    """The matrices from derivatives of s̈ by s, ṡ, α, α̇, α̈, shape (5,), gain and lags of the beam, and the sensor."""
-    n = 2 + len(lags) + (sensor_lag > 0.0)
+    """The matrices from derivatives of s̈ by s, ṡ, α, α̇, α̈, shape (5,), gain and lags of the beam, and the sensor.
+
+    Each lag is T [s] and q [s²] of q β̈ + T β̇ + β, q = 0 where it is of first order.
+    """
+    n = 2 + sum(1 + (square > 0.0) for _, square in lags) + (sensor_lag > 0.0)
     A, B = np.zeros((n, n)), np.zeros((3, n, 1))  # of u, u̇, ü
     A[0, 1], A[1, :2] = 1.0, slopes[:2]
     # α, α̇, α̈ of the beam as rows over x and over u, u̇, ü
     of_x, of_u = np.zeros((3, n)), gain * np.eye(3)
-    for number, constant in enumerate(lags):
-        row = 2 + number
-        A[row], B[:, row, 0] = of_x[0] / constant, of_u[0] / constant
-        A[row, row] -= 1.0 / constant
-        angle = np.zeros(n)
-        angle[row] = 1.0
+    row, physical = 2, ["position_m", "velocity_m_s"]
+    for number, (constant, square) in enumerate(lags, start=1):
         before_x, before_u = of_x, of_u
-        rate_x, rate_u = (before_x[0] - angle) / constant, before_u[0] / constant
-        of_x = np.array([angle, rate_x, (before_x[1] - rate_x) / constant])
-        of_u = np.array([np.zeros(3), rate_u, (before_u[1] - rate_u) / constant])
+        angle = np.eye(n)[row]
+        physical.append(f"lagging_angle_{number}_rad")
+        if square > 0.0:
+            rate = np.eye(n)[row + 1]
+            bend_x, bend_u = (before_x[0] - angle - constant * rate) / square, before_u[0] / square
+            A[row], A[row + 1], B[:, row + 1, 0] = rate, bend_x, bend_u
+            of_x, of_u = np.array([angle, rate, bend_x]), np.array([np.zeros(3), np.zeros(3), bend_u])
+            physical.append(f"lagging_rate_{number}_rad_s")
+        else:
+            rate_x, rate_u = (before_x[0] - angle) / constant, before_u[0] / constant
+            A[row], B[:, row, 0] = rate_x, rate_u
+            of_x = np.array([angle, rate_x, (before_x[1] - rate_x) / constant])
+            of_u = np.array([np.zeros(3), rate_u, (before_u[1] - rate_u) / constant])
+        row += 1 + (square > 0.0)
     A[1] += slopes[2:] @ of_x
     B[:, 1, 0] += slopes[2:] @ of_u
     C = np.zeros((1, n))
@@ -236,8 +248,7 @@ def _assembled(
         A[n - 1, 0], A[n - 1, n - 1] = 1.0 / sensor_lag, -1.0 / sensor_lag
     C[0, n - 1 if sensor_lag > 0.0 else 0] = sensor_gain
     behind = B[1] + A @ B[2]
-    physical = ("position_m", "velocity_m_s", *(f"lagging_angle_{i + 1}_rad" for i in range(len(lags))))
-    physical += ("sensed_position_m",) if sensor_lag > 0.0 else ()
+    physical += ["sensed_position_m"] if sensor_lag > 0.0 else []
     shifts = zip(physical, B[2].ravel(), behind.ravel(), strict=True)
     return Linear(
         point,
@@ -249,7 +260,7 @@ def _assembled(
         B[1],
         B[2],
         tuple(_shifted(*each) for each in shifts),
-        physical,
+        tuple(physical),
         offset,
         delay,
         tuple(left),

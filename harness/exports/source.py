@@ -32,6 +32,14 @@ class StageText:
     number: int
     names: tuple[str, ...]
 
+    @property
+    def square(self) -> str:
+        """q of a lag q b'' + T b' + b = a, 0 where it is of first order."""
+        if self.kind != "servo":
+            return "0.0"
+        lag, damping = self.names
+        return f"0.25 * {lag} * {lag} / ({damping} * {damping})"
+
 
 def constants_of(model: ExportModel) -> list[Constant]:
     """Every named number: the rig's, the effects', the sensor's."""

@@ -1,11 +1,13 @@
-"""What the beam does behind its linkage: along a curve, in steps, with a lag, on a support that tilts."""
+"""What the beam does behind its linkage: along a curve, in steps, with lags, on a support that tilts."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import expm
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
@@ -13,7 +15,7 @@ from analytic.motion import FloatArray
 
 @dataclass(frozen=True, kw_only=True)
 class Follower:
-    """T β̇ + β = mean of θ + a θ² + b θ³ over the last hold, θ what the linkage asks of the beam.
+    """T β̇ + β = mean of θ + a θ² + b θ³ over the last hold, θ what the linkage asks of the beam; a servo follows β.
 
     Before the run the beam turned at the rate of its first instant. The jumps of a beam that is held in steps would
     throw the ball off its edges; a real beam, which does not jump, takes the mean of them.
@@ -23,6 +25,7 @@ class Follower:
         square, cube: a, b [1/rad, 1/rad²].
         hold: length of the steps [s].
         lag: T [s].
+        servo_lag, servo_damping: L [s], ζ [1] of a servo behind that, (L/2ζ)² γ̈ + L γ̇ + γ = β.
         drift: of the support [rad/s].
 
     Raises:
@@ -33,12 +36,16 @@ class Follower:
     cube: float = 0.0
     hold: float = 0.0
     lag: float = 0.0
+    servo_lag: float = 0.0
+    servo_damping: float = 1.0
     drift: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("hold", "lag"):
+        for name in ("hold", "lag", "servo_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} is {getattr(self, name)}; it must be finite and not negative")
+        if not 0.0 < self.servo_damping < math.inf:
+            raise ValueError(f"servo_damping is {self.servo_damping}; it must be finite and positive")
         for name in ("square", "cube", "drift"):
             if not math.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} is {getattr(self, name)}; it must be finite")
@@ -61,7 +68,18 @@ class Follower:
             reach = _bent(reach, self.square, self.cube)
         if self.hold > 0.0:
             reach = _mean(reach, dt, self.hold, max(first - 1, 0))
-        _follow(reach, beam, dt, self.lag, self.drift, first, last)
+        square = (0.5 * self.servo_lag / self.servo_damping) ** 2
+        moved = _served(self.servo_lag, square, dt) if square > 0.0 else np.zeros((2, 4))
+        _follow(reach, beam, dt, self.lag, self.servo_lag, square, moved, self.drift, first, last)
+
+
+@lru_cache
+def _served(lag: float, square: float, dt: float) -> FloatArray:
+    """What γ and γ̇ are after a step, of γ, γ̇ and β, β̇ at its start, for a β that is linear within, shape (2, 4)."""
+    rates = np.zeros((4, 4))
+    rates[0, 1] = rates[2, 3] = 1.0
+    rates[1, :3] = np.array([-1.0, -lag, 1.0]) / square
+    return np.ascontiguousarray(expm(dt * rates)[:2])
 
 
 def _bent(asked: FloatArray, square: float, cube: float) -> FloatArray:
@@ -102,17 +120,40 @@ def _then(asked: FloatArray, row: int, i: int, dt: float) -> float:
 
 
 @njit(cache=True)
-def _follow(asked: FloatArray, beam: FloatArray, dt: float, lag: float, drift: float, first: int, last: int) -> None:
+def _follow(
+    asked: FloatArray,
+    beam: FloatArray,
+    dt: float,
+    lag: float,
+    servo_lag: float,
+    square: float,
+    moved: FloatArray,
+    drift: float,
+    first: int,
+    last: int,
+) -> None:
     rest = math.exp(-dt / lag) if lag > 0.0 else 0.0
     for i in range(first, last + 1):
         angle, rate, acceleration = asked[0, i], asked[1, i], asked[2, i]
+        carried, carried_rate, before = 0.0, 0.0, 0.0  # of the beam, and what it follows
+        if i > 0:
+            carried, carried_rate = beam[0, i - 1] - drift * (i - 1) * dt, beam[1, i - 1] - drift
+            before = square * beam[2, i - 1] + servo_lag * carried_rate + carried
         if lag > 0.0:
             if i == 0:
                 angle -= lag * rate
             else:  # exact for a θ that is linear within the step
                 trail = lag * (angle - asked[0, i - 1]) / dt
-                carried = beam[0, i - 1] - drift * (i - 1) * dt
-                angle += (carried - asked[0, i - 1] + trail) * rest - trail
+                angle += (before - asked[0, i - 1] + trail) * rest - trail
             acceleration = (rate - (asked[0, i] - angle) / lag) / lag
             rate = (asked[0, i] - angle) / lag
+        if square > 0.0:
+            asks = angle
+            if i == 0:
+                angle -= servo_lag * rate
+            else:
+                slope = (asks - before) / dt
+                angle = moved[0, 0] * carried + moved[0, 1] * carried_rate + moved[0, 2] * before + moved[0, 3] * slope
+                rate = moved[1, 0] * carried + moved[1, 1] * carried_rate + moved[1, 2] * before + moved[1, 3] * slope
+            acceleration = (asks - angle - servo_lag * rate) / square
         beam[0, i], beam[1, i], beam[2, i] = angle + drift * i * dt, rate + drift, acceleration

@@ -167,6 +167,7 @@ def test_one_effect_stands_for_each_unknown_quantity() -> None:
         ("angle_gain", "gain", 2.0),
         ("position_gain", "gain", 2.0),
         ("angle_lag", "time_constant", 1.0),
+        ("angle_servo", "lag", 1.0),
         ("position_lag", "time_constant", 1.0),
     ],
 )

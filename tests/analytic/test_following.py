@@ -69,9 +69,64 @@ def test_a_lag_of_a_sine_is_known() -> None:
     np.testing.assert_allclose(beam.evaluate(late), expected, rtol=0.0, atol=4e-12)
 
 
+def served(lag: float, damping: float, motion: BeamMotion = ROUGH) -> BeamMotion:
+    """The motion behind a servo."""
+    return motion_with(motion, STAMPS, [acting("angle_servo", {"lag": lag, "damping": damping})])
+
+
+# weakly and strongly damped, at the critical damping and beside it, where the two exponents are all but one
+@pytest.mark.parametrize("damping", [0.05, 0.6, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.02, 5.0])
+@pytest.mark.parametrize("lag", [0.003, 0.1, 1.0])
+def test_a_beam_behind_a_servo_obeys_its_equation(lag: float, damping: float) -> None:
+    """Fulfil (T/2ζ)² β̈ + T β̇ + β = α everywhere, with β̇ and β̈ that are derivatives of β."""
+    beam, square = served(lag, damping), (0.5 * lag / damping) ** 2
+    angle, rate, bent = beam.evaluate(FINE), beam.derivative(FINE), beam.derivative(FINE, 2)
+    # As of a lag: Σ c_j α^(j) cancels, with c_j of the order of (T + T/2ζ)^j.
+    bound = rounding(lag + 0.5 * lag / damping)
+    np.testing.assert_allclose(square * bent + lag * rate + angle, ROUGH.evaluate(FINE), rtol=0.0, atol=bound)
+    for whole, slope in ((angle, rate), (rate, bent)):
+        # trapezoids: h²/12 of all changes of the slope's slope, itself from differences
+        h = FINE[1] - FINE[0]
+        bends = np.gradient(slope, h)
+        limit = h**2 / 12.0 * np.sum(np.abs(np.diff(bends))) * 2.0 + 20.0 * bound / np.sqrt(square)
+        assert np.max(np.abs(integrated(FINE, slope) - (whole - whole[0]))) < limit
+
+
+def test_a_beam_behind_a_servo_has_settled_before_it_begins() -> None:
+    """Begin where it would be had the beam always turned at the rate of the first stamp: late by T."""
+    beam, first = served(0.2, 0.6), STAMPS[:1]
+    assert beam.evaluate(first)[0] == pytest.approx(ROUGH.states[0, 0] - 0.2 * ROUGH.states[0, 1], abs=1e-12)
+    assert beam.derivative(first)[0] == pytest.approx(ROUGH.states[0, 1], abs=1e-12)
+    assert beam.derivative(first, 2)[0] == pytest.approx(0.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("damping", [0.4, 1.0, 1.7])
+def test_a_servos_answer_to_a_sine_is_known(damping: float) -> None:
+    """Answer as 1/(1 − q ω² + i T ω), q = (T/2ζ)², says, once what it began with has faded."""
+    lag, omega = 0.05, 4.0
+    beam = served(lag, damping, Sines(((0.05, omega, 0.0),)))
+    late = FINE[FINE > 3.5]  # exp(−2 ζ² t/T): exp(−22) at the weakest of what it begins with, some 1e-4 rad
+    answer = 1.0 / (1.0 - (0.5 * lag / damping) ** 2 * omega**2 + 1j * lag * omega)
+    expected = (0.05 * answer * np.exp(1j * omega * late)).imag
+    # quintics: as of the lag above
+    np.testing.assert_allclose(beam.evaluate(late), expected, rtol=0.0, atol=4e-12)
+
+
+def test_two_real_poles_are_two_lags_in_a_row() -> None:
+    """Be, where it is damped beyond the critical, a lag behind another, T = T₁ + T₂ and (T/2ζ)² = T₁ T₂."""
+    first, second = 0.08, 0.03
+    steps = [acting("angle_lag", {"time_constant": first}), acting("angle_lag", {"time_constant": second})]
+    row = motion_with(Sines(), STAMPS, steps[:1])
+    row = motion_with(row, FINE, steps[1:])  # quintics through stamps 0.2 ms apart
+    late = FINE > 2.0  # they begin otherwise: exp(−2/0.08), 1e-11 of it
+    both = served(first + second, 0.5 * (first + second) / np.sqrt(first * second), Sines())
+    np.testing.assert_allclose(both.evaluate(FINE[late]), row.evaluate(FINE[late]), rtol=0.0, atol=1e-11)
+
+
 def test_no_lag_changes_nothing() -> None:
     """Be the motion itself without a lag, and with one of two microseconds the motion that much earlier."""
     assert lagging(0.0) is ROUGH
+    assert served(0.0, 0.7) is ROUGH
     late = lagging(2e-6).evaluate(FINE) - ROUGH.evaluate(FINE)
     assert np.max(np.abs(late)) < 2.001e-6 * np.max(np.abs(ROUGH.derivative(FINE)))
 
@@ -137,6 +192,7 @@ def test_a_curve_bends_angle_and_rates() -> None:
         ("angle_gain", {"gain": 1.1}),
         ("angle_lag", {"time_constant": 5e-4}),
         ("angle_lag", {"time_constant": 0.2}),
+        ("angle_servo", {"lag": 0.1, "damping": 0.6}),
         ("angle_hold", {"interval": 0.1}),
         ("angle_nonlinearity", {"square": 0.3, "cube": 0.2}),
     ],

@@ -87,6 +87,7 @@ def test_ball_at_rest_stays_at_rest_in_engine(name: str) -> None:
         ("angle_nonlinearity", {"square": 0.6, "cube": 4.0}),
         ("angle_hold", {"interval": 0.12}),
         ("angle_lag", {"time_constant": 0.1}),
+        ("angle_servo", {"lag": 0.12, "damping": 0.6}),
         ("level_drift", {"rate": 5e-4}),
     ],
 )

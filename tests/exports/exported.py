@@ -47,6 +47,7 @@ EACH = {
     "linkage_backlash": {"width": 0.006},
     "angle_hold": {"interval": 0.07},
     "angle_lag": {"time_constant": 0.05},
+    "angle_servo": {"lag": 0.12, "damping": 0.7},
     "channel_delay": {"delay": 0.04},
     "position_gain": {"gain": 1.04},
     "position_nonlinearity": {"square": 0.1, "cube": 0.2},

@@ -28,6 +28,7 @@ SETS = {
     "nothing": (),
     "friction": ("rolling_resistance", "level_error", "viscous_damping"),
     "lags": ("angle_gain", "angle_lag", "position_lag", "angle_hold"),
+    "servo": ("angle_servo",),
     "delay": ("channel_delay", "position_gain"),
 }
 

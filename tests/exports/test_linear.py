@@ -30,6 +30,7 @@ SETS = {
     "nothing": [],
     "damped": [effect("viscous_damping"), effect("track_curvature"), effect("beam_compliance")],
     "lags": [effect("angle_lag"), effect("position_lag"), effect("angle_gain"), effect("position_gain")],
+    "servo": [effect("angle_servo"), effect("angle_lag"), effect("position_lag")],
     "curves": [effect("angle_nonlinearity"), effect("position_nonlinearity")],
 }
 

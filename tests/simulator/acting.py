@@ -31,6 +31,7 @@ EACH: dict[str, dict[str, float]] = {
     "angle_nonlinearity": {"square": 0.6, "cube": 4.0},
     "angle_hold": {"interval": 0.1},
     "angle_lag": {"time_constant": 0.06},
+    "angle_servo": {"lag": 0.12, "damping": 0.7},
     "beam_compliance": {"compliance": 0.02},
     "channel_delay": {"delay": 0.06},
     "position_gain": {"gain": 1.03},

@@ -36,6 +36,7 @@ PUBLISHED = {
     "angle_nonlinearity": ["square", "cube"],
     "angle_hold": ["interval"],
     "angle_lag": ["time_constant"],
+    "angle_servo": ["lag", "damping"],
     "beam_compliance": ["compliance"],
     "channel_delay": ["delay"],
     "position_gain": ["gain"],

@@ -1,4 +1,4 @@
-"""The beam behind its linkage: a lag, and a support that tilts."""
+"""The beam behind its linkage: lags, and a support that tilts."""
 
 from __future__ import annotations
 
@@ -32,10 +32,23 @@ def test_lag_follows_a_sine_as_a_low_pass_does() -> None:
     np.testing.assert_array_equal(run.shaft, A * np.sin(OMEGA * run.time))
 
 
+@pytest.mark.parametrize("lag", [0.0, 0.05])
+def test_servo_follows_a_sine_as_its_transfer_function_says(lag: float) -> None:
+    """Swing by 1/(1 − q ω² + i L ω), q = (L/2ζ)², of the sine, once what it began with has faded; behind a lag too."""
+    run = moved(Follower(lag=lag, servo_lag=0.2, servo_damping=0.6))
+    late = run.time > 3.5  # exp(−ζ ω₀ t), ω₀ = 2 ζ/L: exp(−12)
+    answer = 1.0 / (1.0 - (0.2 / 1.2) ** 2 * OMEGA**2 + 0.2j * OMEGA) / (1.0 + 1j * lag * OMEGA)
+    swing = A * answer * np.exp(1j * OMEGA * run.time)
+    # what has not faded: exp(−12.6) of the swing that it began with, 1e-7 of 0.05 rad, faster by ω₀ in the rate
+    np.testing.assert_allclose(run.angle[late], swing.imag[late], rtol=0.0, atol=5e-7)
+    np.testing.assert_allclose(run.rate[late], (1j * OMEGA * swing).imag[late], rtol=0.0, atol=3e-6)
+    assert run.rate[0] == pytest.approx(A * OMEGA)
+
+
 def test_a_tilting_support_turns_the_beam_besides() -> None:
     """Turn by drift · t more, at a rate that is as much more, and behind a lag too."""
-    for lag in (0.0, 0.1):
-        level, drifting = moved(Follower(lag=lag)), moved(Follower(lag=lag, drift=1e-3))
+    for lags in ({}, {"lag": 0.1}, {"servo_lag": 0.1}, {"lag": 0.05, "servo_lag": 0.1}):
+        level, drifting = moved(Follower(**lags)), moved(Follower(**lags, drift=1e-3))
         np.testing.assert_allclose(drifting.angle - level.angle, 1e-3 * level.time, rtol=0.0, atol=1e-14)
         np.testing.assert_allclose(drifting.rate - level.rate, 1e-3, rtol=0.0, atol=1e-14)
 
@@ -66,7 +79,17 @@ def test_curve_bends_the_motion() -> None:
     np.testing.assert_allclose(run.rate, slope * run.shaft_rate, rtol=1e-14, atol=1e-17)
 
 
-@pytest.mark.parametrize("wrong", [{"lag": -1.0}, {"drift": np.inf}, {"hold": -0.1}, {"square": np.nan}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"lag": -1.0},
+        {"servo_lag": -0.1},
+        {"servo_damping": 0.0},
+        {"drift": np.inf},
+        {"hold": -0.1},
+        {"square": np.nan},
+    ],
+)
 def test_impossible_follower_is_refused(wrong: dict[str, float]) -> None:
     """Refuse what cannot be, naming the quantity."""
     with pytest.raises(ValueError, match=next(iter(wrong))):

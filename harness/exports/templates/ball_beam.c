@@ -257,21 +257,47 @@ static bb_beam along(const double c[6], double u) {
 }
 {% for stage in stages %}
 {% set n = stage.number %}
-{% if stage.kind == "lag" %}
+{% if stage.kind in ("lag", "servo") %}
 
-/* What a quintic's first-order lag settles to, sum over (-T)^j of its j-th derivatives, at u. */
+/* What a lag of a quintic settles to at u, a sum over its derivatives: of a lag, or servo, q b'' + T b' + b = a. */
 static double settled_{{ n }}(const double c[6], double u) {
-  double d[6], sum = 0.0, factor = 1.0;
+  const double T = {{ stage.names[0] }}, q = {{ stage.square }};
+  double d[6], sum = 0.0, before = 0.0, factor = 1.0;
   for (int i = 0; i < 6; i++) d[i] = c[i];
   for (int order = 0; order < 6; order++) {
     double value = 0.0;
     for (int power = 5 - order; power >= 0; power--) value = value * u + d[power];
     sum += factor * value;
-    factor *= -{{ stage.names[0] }};
+    double next = -T * factor - q * before;
+    before = factor, factor = next;
     for (int power = 0; power < 5 - order; power++) d[power] = (power + 1) * d[power + 1];
   }
   return sum;
 }
+{% if stage.kind == "servo" %}
+
+/* The same of its rate. */
+static double settled_rate_{{ n }}(const double c[6], double u) {
+  double d[6] = {c[1], 2.0 * c[2], 3.0 * c[3], 4.0 * c[4], 5.0 * c[5], 0.0};
+  return settled_{{ n }}(d, u);
+}
+
+/* Value and rate, both at first, of q y'' + T y' + y = 0 after u. */
+static void swung_{{ n }}(double *value, double *rate, double u) {
+  const double T = {{ stage.names[0] }}, q = {{ stage.square }}, decay = 0.5 * T / q;
+  double apart = decay * decay - 1.0 / q, turn = sqrt(fabs(apart)), x = turn * u, fading = exp(-decay * u);
+  double even = fading * (1.0 + 0.5 * copysign(x * x, apart)), odd = fading * u * (1.0 + copysign(x * x, apart) / 6.0);
+  if (x >= 1e-3 && apart < 0.0) {
+    even = fading * cos(x), odd = fading * sin(x) / turn;
+  } else if (x >= 1e-3) {
+    double slow = exp(-u / (q * (decay + turn))), fast = exp(-(decay + turn) * u);
+    even = 0.5 * (slow + fast), odd = 0.5 * (slow - fast) / turn;
+  }
+  double y = *value, v = *rate;
+  *value = y * even + (v + decay * y) * odd;
+  *rate = v * even - (y / q + decay * v) * odd;
+}
+{% endif %}
 {% elif stage.kind == "hold" %}
 
 /* Integral of the angle, angle and rate at time t, which may lie before the first row. */
@@ -315,6 +341,9 @@ void bb_start(bb_state *x, double time, double s, double v, bb_beam beam, double
 {% endfor %}
 {% for stage in stages if stage.kind == "lag" %}
   x->follow_{{ stage.number }} = 0.0;
+{% endfor %}
+{% for stage in stages if stage.kind == "servo" %}
+  x->follow_{{ stage.number }} = x->follow_rate_{{ stage.number }} = 0.0;
 {% endfor %}
 {% for stage in stages if stage.kind == "hold" %}
   x->past_time_{{ stage.number }}[0] = time, x->past_sum_{{ stage.number }}[0] = 0.0;
@@ -391,6 +420,27 @@ int bb_step(bb_state *x, double time, bb_beam beam) {
       b->angular = (a.rate - b->rate) / T;
     }
     x->follow_{{ n }} = table[rows - 1].beam.angle;
+  }
+{% elif stage.kind == "servo" %}
+  if ({{ stage.names[0] }} >= 1e-5) { /* q b'' + T b' + b = a, q = (T/(2 damping))^2, solved exactly for a quintic */
+    const double T = {{ stage.names[0] }}, q = {{ stage.square }};
+    double piece[6], from = table[0].t;
+    quintic(table[0].beam, table[rows - 1].beam, gap, piece);
+    if (x->rows == 0) { /* settled behind a motion at the first rate: b'' = 0 */
+      x->follow_{{ n }} = piece[0] - T * piece[1];
+      x->follow_rate_{{ n }} = piece[1];
+    }
+    double left = x->follow_{{ n }} - settled_{{ n }}(piece, 0.0);
+    double left_rate = x->follow_rate_{{ n }} - settled_rate_{{ n }}(piece, 0.0);
+    for (int i = 0; i < rows; i++) {
+      double u = table[i].t - from, y = left, v = left_rate;
+      bb_beam a = along(piece, u), *b = &table[i].beam;
+      swung_{{ n }}(&y, &v, u);
+      b->angle = settled_{{ n }}(piece, u) + y;
+      b->rate = settled_rate_{{ n }}(piece, u) + v;
+      b->angular = (a.angle - b->angle - T * b->rate) / q;
+    }
+    x->follow_{{ n }} = table[rows - 1].beam.angle, x->follow_rate_{{ n }} = table[rows - 1].beam.rate;
   }
 {% elif stage.kind == "hold" %}
   if ({{ stage.names[0] }} >= 1e-6) { /* mean of the angle over the last interval T */

@@ -34,6 +34,9 @@ typedef struct {
 {% for stage in stages if stage.kind == "lag" %}
   double follow_{{ stage.number }};  /* the lagging angle [rad] */
 {% endfor %}
+{% for stage in stages if stage.kind == "servo" %}
+  double follow_{{ stage.number }}, follow_rate_{{ stage.number }};  /* angle and rate behind the servo [rad, rad/s] */
+{% endfor %}
 {% for stage in stages if stage.kind == "play" %}
   double stand_{{ stage.number }};   /* the beam's angle behind the play [rad] */
   double side_{{ stage.number }};    /* side of the gap in contact, 0 for none */
