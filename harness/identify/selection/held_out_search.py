@@ -137,12 +137,20 @@ class _Search:
         return self._decided(Rule.EXTEND, tried, best, tests=len(names))
 
     def exchanged(self, best: Fit) -> Fit:
-        """`best` with an effect replaced by what predicts held-out blocks better; what is as good is a rival."""
-        others = [name for name in self._candidates() if name not in best.hypothesis.names]
-        for name in selected_effects(self.problem, best):
-            swaps = [tuple(other if one == name else one for one in best.hypothesis.names) for other in others]
-            best = self._decided(Rule.EXCHANGE, self._promising(best, swaps), best) or best
-        return best
+        """`best` with effects replaced by what predicts held-out blocks better; what is as good is a rival.
+
+        Of all exchanges the best one is made, until none is better: whichever effect were looked at first would decide.
+        """
+        while True:
+            others = [name for name in self._candidates() if name not in best.hypothesis.names]
+            tried = []
+            for name in selected_effects(self.problem, best):
+                swaps = [tuple(other if one == name else one for one in best.hypothesis.names) for other in others]
+                tried += self._promising(best, swaps)
+            further = self._decided(Rule.EXCHANGE, tried, best)
+            if further is None:
+                return best
+            best = further
 
     def pruned(self, best: Fit) -> Fit:
         """`best` without the effects that do not reduce the held-out error beside the others."""
