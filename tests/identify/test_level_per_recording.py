@@ -71,6 +71,18 @@ def test_fit_finds_the_level_of_every_recording(problem: Problem, found: Fit) ->
     assert error == pytest.approx(np.sqrt(np.mean(np.square(list(errors.values())))) / np.sqrt(3.0), rel=0.5)
 
 
+def test_before_its_ball_rolls_a_level_is_the_mean_of_the_others(case: Case, problem: Problem, found: Fit) -> None:
+    """Expect of a recording of which nothing is known what the others say of it, and be as unsure as they differ."""
+    last = PreparedRecording.of(observe(case.recordings[case.predict[0]], case.sensors, problem.rig))
+    nothing = np.where(np.arange(len(last.reading)) < 2, last.reading, np.nan)  # two readings, 10 ms apart
+    own = own_of(problem, found, last, nothing)
+    levels = found.terms.own[NAME]
+    assert own.values[NAME] == pytest.approx(np.mean(levels), abs=1e-5)
+    # Student's t of two degrees of freedom, at its mode: s √(1 + 1/n) √((n − 1)/n), by differences that reach one width
+    expected = np.std(levels, ddof=1) * np.sqrt((1.0 + 1.0 / 3.0) * 2.0 / 3.0)
+    assert own_deviations(problem, found, last, nothing, own).values[NAME] == pytest.approx(expected, rel=0.3)
+
+
 def test_a_held_out_recording_gets_its_own_level(case: Case, problem: Problem, found: Fit) -> None:
     """Estimate the level of a recording that was not fitted from its readings, and keep those that were."""
     last = PreparedRecording.of(observe(case.recordings[case.predict[0]], case.sensors, problem.rig))

@@ -19,6 +19,7 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 _TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)  # grid of the first search for φ₀ [rad]
 _UNKNOWN_PHASE = np.pi / np.sqrt(3.0)  # standard deviation of a phase of which nothing is known [rad]
 _WIDTHS = 3  # of the differences that tell a deviation, each of the size that the one before tells
+_LEAST_SPREAD = 1e-5  # of values that recordings have of their own [rad]: less than any reading tells
 _REACHES = (1.0, 0.1)  # of the search for a value, in the catalogue's largest: first all, then near the first
 
 
@@ -30,7 +31,8 @@ def estimates_own(found: Fit, recording: PreparedRecording) -> bool:
 def own_of(problem: Problem, found: Fit, recording: PreparedRecording, reading: FloatArray) -> Own:
     """What a recording has of its own: as fitted, or else of maximum likelihood for `reading`, shape (n,) [m].
 
-    Values of effects have the prior of the fit, as a ball that friction holds at rest says nothing of them.
+    Values of effects have as prior what the recordings of the fit say of a further one: a ball that friction holds at
+    rest tells nothing of them, and a few seconds little.
     """
     own = found.terms.own_of(recording.name)
     if not estimates_own(found, recording):
@@ -73,10 +75,25 @@ def _deviance(
     """Deviance of a recording as a function of what it has of its own, with the prior of values."""
 
     def deviance(at: Own) -> float:
-        prior = sum((value / OWN_DEVIATION) ** 2 for value in at.values.values())
+        prior = sum(_unlikely(value, found.terms.own[name]) for name, value in at.values.items())
         return deviance_of(problem, recording, found.terms, found.process_noise, own=at, reading=reading) + prior
 
     return deviance
+
+
+def _unlikely(value: float, others: FloatArray) -> float:
+    """−2 log density of a further value beside those of other recordings, shape (n,), up to a constant [1].
+
+    Of normal values of which no more is known: Student's t of n − 1 degrees of freedom about their mean, wider than
+    their deviation by √(1 + 1/n) (Gelman et al., Bayesian Data Analysis, 2013, section 3.2). Of a single one nothing
+    tells how far another is from it.
+    """
+    count = len(others)
+    if count < 2:
+        return (value / OWN_DEVIATION) ** 2
+    width = max(float(np.std(others, ddof=1)), _LEAST_SPREAD) * math.sqrt(1.0 + 1.0 / count)
+    square = ((value - float(np.mean(others))) / width) ** 2
+    return count * math.log1p(square / (count - 1))
 
 
 def _with_value(deviance: Callable[[Own], float], own: Own, name: str, reach: float) -> Own:

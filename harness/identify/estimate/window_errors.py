@@ -19,24 +19,19 @@ FARTHEST = 100.0  # of a prediction [m]
 DENSITIES = 10.0 ** np.arange(-8.0, -1.0)  # grid of the process noise [m²/s³]
 
 
-def window_errors(
-    problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence[Own | None] | None = None
-) -> list[float]:
+def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[float]:
     """RMS error over the predicted part of every window [m].
 
     The filter runs over the known part and on without readings.
-
-    Args:
-        own: as of `own_of_windows`, which is asked by default.
     """
-    runs = _runs(problem, found, windows, own_of_windows(problem, found, windows) if own is None else own)
+    runs = _runs(problem, found, windows, _own_of_windows(problem, found, windows))
     return [window.rms_error(bounded(run.recorded)) for window, run in zip(windows, runs, strict=True)]
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
     """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
     ratios = []
-    runs = _runs(problem, found, windows, own_of_windows(problem, found, windows))
+    runs = _runs(problem, found, windows, _own_of_windows(problem, found, windows))
     for window, run in zip(windows, runs, strict=True):
         error = (bounded(run.recorded) - window.reading) / np.sqrt(
             np.nan_to_num(run.recorded_variance) + problem.reading_variance
@@ -45,7 +40,7 @@ def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -
     return np.concatenate(ratios)
 
 
-def own_of_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Own | None]:
+def _own_of_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Own | None]:
     """What the recording of each window has of its own, estimated from the window's known part.
 
     `None` where the fit has it, or there is nothing of the kind.
@@ -92,10 +87,12 @@ def _known_of(window: Window) -> FloatArray:
 
 
 def errors_by_density(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
-    """`window_errors` at each of `DENSITIES` of the process noise, shape (densities, windows) [m]."""
-    own = own_of_windows(problem, found, windows)
+    """`window_errors` at each of `DENSITIES` of the process noise, shape (densities, windows) [m].
+
+    At each of them what the recordings have of their own is estimated anew, as a forecast with that density would.
+    """
     fits = (replace(found, process_noise=float(density)) for density in DENSITIES)
-    return np.array([window_errors(problem, fit, windows, own) for fit in fits])
+    return np.array([window_errors(problem, fit, windows) for fit in fits])
 
 
 def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> Fit:
@@ -104,6 +101,5 @@ def tuned_to_windows(problem: Problem, found: Fit, windows: Sequence[Window]) ->
     Where errors of model or sensor are not white, the process noise of maximum likelihood, which is best for the next
     reading, is not the best for seconds.
     """
-    own = own_of_windows(problem, found, windows)
     fits = [found, *(replace(found, process_noise=float(density)) for density in DENSITIES)]
-    return min(fits, key=lambda fit: sum(error**2 for error in window_errors(problem, fit, windows, own)))
+    return min(fits, key=lambda fit: sum(error**2 for error in window_errors(problem, fit, windows)))
