@@ -163,7 +163,8 @@ class Check(Summarised):
         folder = Path(folder)
         names = (FILE, REPORT, *((NEXT_EXPERIMENT,) if self.proposal else ()))
         inputs = input_files(self.case)
-        with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
+        writing = all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force, supersede=True)
+        with writing as scratch:
             if self.proposal is not None:
                 write_csv(pd.DataFrame(self.proposal.table()), scratch / NEXT_EXPERIMENT)
             failures = Failures()

@@ -54,7 +54,7 @@ class Asked:
         names = (FILE, REPORT, NEXT_EXPERIMENT, *prediction_files(case))
         parameters = () if self.parameters is None else (self.parameters,)
         inputs = (*input_files(case), *self.also, *self.effects, *parameters)
-        with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force) as scratch:
+        with all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force, supersede=True) as scratch:
             yield scratch
 
     def command(self, name: str, *paths: Path, whole: bool = True) -> str:

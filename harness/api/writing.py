@@ -18,7 +18,7 @@ import re
 import shutil
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,7 +34,8 @@ except ImportError:  # Windows: nothing is locked there, and what a killed comma
 _PATIENCE = 10.0  # for another command that moves its files into place, which takes milliseconds [s]
 _SCRATCH = re.compile(r"\.unfinished-([0-9a-f]{8}-)?[a-z0-9_]{8}")
 _FINISHED = ".finished-"
-_NEW, _OLD = "new", "old"  # in a scratch folder: files to be moved into place, and copies of those that they replace
+# In a scratch folder: files to be moved into place, copies of those that they replace, and of those that are to go.
+_NEW, _OLD, _GONE = "new", "old", "gone"
 
 
 @contextmanager
@@ -45,6 +46,7 @@ def all_or_nothing(
     names: Iterable[str] = (),
     inputs: Iterable[Path] = (),
     force: bool = False,
+    supersede: bool = False,
 ) -> Iterator[Path]:
     """A scratch folder whose files are moved into `folder` when the block ends well, and deleted when it does not.
 
@@ -55,12 +57,13 @@ def all_or_nothing(
         names: files that will or may be written, so that what cannot be is refused before anything is computed.
         inputs: files that the command reads, which are never replaced.
         force: replace files that the command did not write, too.
+        supersede: remove what the earlier result had and the new one has not, so that the folder never mixes two.
 
     Raises:
         InputError: the folder cannot be made or written, another command is writing the same files, or a file is in the
             way that the command did not write.
     """
-    place = _Place(folder, record, tuple(inputs), force)
+    place = _Place(folder, record, tuple(inputs), force, supersede)
     made = [path for path in (folder, *folder.parents) if not _exists(path)]
     done = False
     scratch: Path | None = None
@@ -72,7 +75,7 @@ def all_or_nothing(
             _remove_dead(folder, place.mark)
             scratch = Path(tempfile.mkdtemp(prefix=f".unfinished-{place.mark}-", dir=folder))
             held = _hold(scratch)
-        for part in (_NEW, _OLD):
+        for part in (_NEW, _OLD, _GONE):
             (scratch / part).mkdir()
         for name in names:
             place.check(name)
@@ -104,6 +107,7 @@ class _Place:
     record: str
     inputs: tuple[Path, ...]
     force: bool
+    supersede: bool
 
     @property
     def mark(self) -> str:
@@ -146,6 +150,8 @@ class _Place:
         for file in files:
             if os.path.lexists(target := self.folder / file.name):
                 shutil.copy2(target, scratch / _OLD / file.name, follow_symlinks=False)
+        for name in self._outdated([file.name for file in files]):
+            shutil.copy2(self.folder / name, scratch / _GONE / name)
         finished = scratch.with_name(_FINISHED + scratch.name.rsplit("-", 1)[-1])
         scratch.rename(finished)  # from here on the result counts
         try:
@@ -153,6 +159,17 @@ class _Place:
         except OSError:
             _take_back(finished, self.folder, [file.name for file in files])
             raise
+
+    def _outdated(self, names: Sequence[str]) -> list[str]:
+        """Files of the earlier result that nobody has changed and the new one, with these names, has not."""
+        earlier = written(self.folder / self.record) if self.supersede else {}
+        files = [(name, self.folder / name, digest) for name, digest in earlier.items() if name not in names]
+        return [
+            name
+            for name, file, digest in files
+            if file.is_file() and not file.is_symlink() and sha256_of(file) == digest
+            if not any(one.exists() and file.samefile(one) for one in self.inputs)
+        ]
 
 
 def settle(folder: Path) -> None:
@@ -218,8 +235,12 @@ def _settle(folder: Path) -> None:
 
 def _waiting(finished: Path) -> list[Path]:
     """Files of a finished result that are still to be moved into place."""
-    new = finished / _NEW
-    return sorted(new.iterdir()) if new.is_dir() else []
+    return _files(finished / _NEW)
+
+
+def _files(part: Path) -> list[Path]:
+    """Files of a part of a scratch folder; none of one that another has removed, or that never had it."""
+    return sorted(part.iterdir()) if part.is_dir() else []
 
 
 def _move(finished: Path, folder: Path) -> None:
@@ -229,6 +250,10 @@ def _move(finished: Path, folder: Path) -> None:
         try:
             for file in _waiting(finished):
                 file.replace(folder / file.name)
+            for copy in _files(finished / _GONE):
+                target = folder / copy.name
+                if target.is_file() and filecmp.cmp(target, copy, shallow=False):
+                    target.unlink()
             shutil.rmtree(finished, ignore_errors=True)
             break
         except OSError:
@@ -250,6 +275,9 @@ def _take_back(finished: Path, folder: Path, names: Iterable[str]) -> None:
             old.replace(folder / name)
         else:
             (folder / name).unlink()
+    for copy in _files(finished / _GONE):
+        if not os.path.lexists(folder / copy.name):
+            copy.replace(folder / copy.name)
     shutil.rmtree(finished, ignore_errors=True)
 
 

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -77,9 +77,12 @@ def test_a_folder_in_the_way_of_a_file_is_named(tmp_path: Path) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["b.csv"]
 
 
-def write_with_record(folder: Path, text: str, *names: str, force: bool = False) -> None:
+def write_with_record(
+    folder: Path, text: str, *names: str, force: bool = False, supersede: bool = False, inputs: Sequence[Path] = ()
+) -> None:
     """Write files of these names with a record of them, as a command does."""
-    with all_or_nothing(folder, record=RECORD, names=(*names, RECORD), force=force) as scratch:
+    own = (*names, RECORD)
+    with all_or_nothing(folder, record=RECORD, names=own, inputs=inputs, force=force, supersede=supersede) as scratch:
         for name in names:
             (scratch / name).write_text(text)
         (scratch / RECORD).write_text(sealed_json({"files": hashes_of(scratch)}))
@@ -95,6 +98,17 @@ def test_what_was_written_earlier_is_replaced(tmp_path: Path) -> None:
     write_with_record(tmp_path, "first", "a.csv", "b.csv")
     write_with_record(tmp_path, "second", "a.csv", "b.csv")
     assert contents(tmp_path) == {"a.csv": "second", "b.csv": "second"}
+
+
+def test_what_a_superseded_result_had_besides_is_removed(tmp_path: Path) -> None:
+    """Leave no file of an earlier result beside a new one that has none of that name, where that is asked for."""
+    write_with_record(tmp_path, "first", "a.csv", "b.csv", "c.csv", "d.csv")
+    (tmp_path / "c.csv").write_text("edited")
+    (tmp_path / "mine.csv").write_text("mine")
+    write_with_record(tmp_path, "second", "a.csv", supersede=True, inputs=[tmp_path / "d.csv"])
+    assert contents(tmp_path) == {"a.csv": "second", "c.csv": "edited", "d.csv": "first", "mine.csv": "mine"}
+    write_with_record(tmp_path, "third", "b.csv")
+    assert contents(tmp_path)["a.csv"] == "second"
 
 
 def test_a_file_of_the_users_is_not_replaced(tmp_path: Path) -> None:
@@ -183,6 +197,18 @@ def test_a_result_that_cannot_be_moved_is_taken_back(tmp_path: Path, monkeypatch
         write_with_record(tmp_path, "second", "a.csv", "aa.csv", "c.csv")
     monkeypatch.undo()
     assert contents(tmp_path) == {"a.csv": "first", "b.csv": "first"}
+    unlink = Path.unlink
+
+    def staying(file: Path) -> None:
+        if file.parent == tmp_path:
+            raise PermissionError(1, "Operation not permitted", str(file))
+        unlink(file)
+
+    monkeypatch.setattr(Path, "unlink", staying)
+    with pytest.raises(InputError, match=r"b\.csv: cannot be written"):
+        write_with_record(tmp_path, "second", "a.csv", supersede=True)
+    monkeypatch.undo()
+    assert contents(tmp_path) == {"a.csv": "first", "b.csv": "first"}
     write_with_record(tmp_path, "third", "a.csv")  # and its record is the first one again
 
 
@@ -199,7 +225,7 @@ def killed(*_):
     if calls == at:
         os.kill(os.getpid(), signal.SIGKILL)
 sys.addaudithook(lambda event, args: killed() if event in ("os.rename", "os.remove", "os.rmdir", "os.mkdir") else None)
-with all_or_nothing(folder, record="record.json") as scratch:
+with all_or_nothing(folder, record="record.json", supersede=True) as scratch:
     for name in ("a.csv", "b.csv", "c.csv"):
         (scratch / name).write_text(text)
     (scratch / "record.json").write_text(sealed_json({"files": hashes_of(scratch)}))
@@ -223,13 +249,15 @@ def test_a_kill_at_any_change_leaves_one_result(tmp_path: Path) -> None:
     seen = set()
     for at in range(1, 60):
         folder = tmp_path / str(at)
-        write_with_record(folder, "old", "a.csv", "b.csv", "c.csv")
+        write_with_record(folder, "old", "a.csv", "b.csv", "d.csv")
         code = run_writer(folder, "new", at)
         settle(folder)
         found = {file.name: file.read_text() for file in folder.glob("*.csv")}
-        assert found in (dict.fromkeys(("a.csv", "b.csv", "c.csv"), text) for text in ("old", "new")), at
+        old, new = dict.fromkeys(("a.csv", "b.csv", "d.csv"), "old"), dict.fromkeys(("a.csv", "b.csv", "c.csv"), "new")
+        assert found in (old, new), at
         seen |= set(found.values())
-        write_with_record(folder, "newer", "a.csv", "b.csv", "c.csv")  # what was killed left nothing in the way
+        # what was killed left nothing in the way
+        write_with_record(folder, "newer", "a.csv", "b.csv", "c.csv", supersede=True)
         assert sorted(file.name for file in folder.iterdir()) == ["a.csv", "b.csv", "c.csv", RECORD]
         if code == 0:
             break
@@ -279,16 +307,17 @@ def test_leftovers_of_the_dead_are_removed(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_what_the_user_changed_after_a_kill_stays(tmp_path: Path) -> None:
     """Move nothing over a file that was changed between a kill and the next command, and name both."""
-    write_with_record(tmp_path, "old", "a.csv", "b.csv", "c.csv")
     for at in range(1, 60):
-        if run_writer(tmp_path, "new", at) == 0:
+        folder = tmp_path / str(at)
+        write_with_record(folder, "old", "a.csv", "b.csv", "c.csv")
+        if run_writer(folder, "new", at) == 0:
             pytest.fail("never killed between two files")
-        if len({file.read_text() for file in tmp_path.glob("*.csv")}) == 2:
+        if len({file.read_text() for file in folder.glob("*.csv")}) == 2:
             break
-    (tmp_path / "c.csv").write_text("mine")
+    (folder / "c.csv").write_text("mine")
     with pytest.raises(InputError, match=r"c\.csv: was changed after a command was killed"):
-        settle(tmp_path)
-    assert (tmp_path / "c.csv").read_text() == "mine"
-    (tmp_path / "c.csv").unlink()
-    settle(tmp_path)
-    assert {file.read_text() for file in tmp_path.glob("*.csv")} == {"new"}
+        settle(folder)
+    assert (folder / "c.csv").read_text() == "mine"
+    (folder / "c.csv").unlink()
+    settle(folder)
+    assert {file.read_text() for file in folder.glob("*.csv")} == {"new"}
