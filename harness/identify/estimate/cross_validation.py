@@ -46,17 +46,38 @@ def cross_validated(problem: Problem, whole: Fit) -> Fit:
     best = int(np.flatnonzero(means <= (1.0 + problem.settings.held_out_rival) * means.min())[-1])
     density = float(DENSITIES[best])
     ratios = [
-        normalised_errors(problem, replace(part, process_noise=density), block.held_out)
+        np.abs(normalised_errors(problem, replace(part, process_noise=density), block.held_out))
         for part, block in zip(fits, blocks, strict=True)
     ]
-    band = float(np.quantile(np.abs(np.concatenate(ratios)), _SHARE)) / TWO_SIDED
     return replace(
         whole,
         process_noise=density,
         deviance=deviance(problem, whole.terms, density),
         held_out=tuple(of_blocks[:, best].tolist()),
-        band=band,
+        band=widened(ratios) / TWO_SIDED,
     )
+
+
+def widened(ratios: Sequence[FloatArray]) -> float:
+    """How many of its deviations a band must be wide to hold 95 % of the readings of a further block [1].
+
+    The quantile of the blocks that there are holds less of a further one, as errors are alike within a block and the
+    blocks are few. So each block in turn is held against the quantile of the others, and that of all is widened by the
+    factor with which these hold 95 % on average.
+
+    Args:
+        ratios: size of the errors of each block over their deviations, shape (readings of the block,) each [1].
+    """
+    pooled = float(np.quantile(np.concatenate(ratios), _SHARE))
+    if len(ratios) < 2:
+        return pooled
+    apart = [
+        one / float(np.quantile(np.concatenate([*ratios[:number], *ratios[number + 1 :]]), _SHARE))
+        for number, one in enumerate(ratios)
+    ]
+    weights = np.concatenate([np.full(len(one), 1.0 / len(one)) for one in apart])
+    factor = float(np.quantile(np.concatenate(apart), _SHARE, weights=weights, method="inverted_cdf"))
+    return max(factor, 1.0) * pooled
 
 
 def fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window]) -> Fit:

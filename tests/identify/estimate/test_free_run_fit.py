@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.identify.estimate.cross_validation import cross_validated
+from harness.identify.estimate.cross_validation import cross_validated, widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.refit import refit
@@ -89,6 +89,21 @@ def test_the_band_holds_held_out_readings(pair: Problem) -> None:
     errors = np.abs(normalised_errors(pair, found, windows_of(pair.recordings, 1.0))) / found.band
     # the same windows, predicted in sample: a little better than held out
     assert 0.93 < np.mean(errors < TWO_SIDED) < 0.99
+
+
+@pytest.mark.parametrize("blocks", [4, 8, 16])
+def test_a_band_of_few_blocks_holds_95_percent_of_a_further_one(blocks: int) -> None:
+    """Be as wide as a further block needs where errors are alike within each; their plain quantile holds too little."""
+    generator = np.random.default_rng(blocks)
+    within, plain = [], []
+    for _ in range(400):
+        sizes = np.abs(generator.normal(size=blocks + 1))
+        *known, further = [size * np.abs(1.0 + 0.3 * generator.standard_normal(60)) for size in sizes]
+        within.append(np.mean(further <= widened(known)))
+        plain.append(np.mean(further <= np.quantile(np.concatenate(known), 0.95)))
+    # shares of single blocks scatter by some 0.2: a mean of 400 of them by 0.01
+    assert np.mean(within) == pytest.approx(0.95, abs=0.03)
+    assert np.mean(plain) < np.mean(within) - 0.01
 
 
 def test_a_refit_is_made_by_the_same_estimator(pair: Problem) -> None:
