@@ -108,7 +108,7 @@ _OWN: Mapping[str, Scale] = {
     ANGLE_NONLINEARITY.name: Scale(middle={"square": 0.4, "cube": 4.0}),
     ANGLE_HOLD.name: Scale(middle={"interval": 0.12}),
     ANGLE_LAG.name: Scale(middle={"time_constant": 0.08}),
-    ANGLE_SERVO.name: Scale(middle={"lag": 0.12}, fixed={"damping": (0.5, 0.9)}),
+    ANGLE_SERVO.name: Scale(middle={"lag": 0.08}, fixed={"damping": (0.5, 0.9)}),
     CHANNEL_DELAY.name: Scale(middle={"delay": 0.05}, signed=True),
     POSITION_GAIN.name: Scale(middle={"gain": 1.04}, neutral=1.0, signed=True),
     POSITION_NONLINEARITY.name: Scale(middle={"square": 0.15, "cube": -0.1}, signed=True),
