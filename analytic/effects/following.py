@@ -89,6 +89,15 @@ class LaggedMotion:
 
 
 @njit(cache=True)
+def piece_at(stamps: FloatArray, time: float, piece: int) -> int:
+    """Number of the piece between stamps, shape (n,) [s], in which `time` [s] is; `piece` is that of the time before."""
+    last = len(stamps) - 2
+    if time < stamps[piece] or time >= stamps[min(piece + 2, last + 1)]:
+        return min(max(int(np.searchsorted(stamps, time, side="right")) - 1, 0), last)
+    return piece + 1 if piece < last and time >= stamps[piece + 1] else piece
+
+
+@njit(cache=True)
 def _follow(
     stamps: FloatArray,
     settled: FloatArray,
@@ -100,13 +109,10 @@ def _follow(
 ) -> None:
     """Fill `out`, shape (k,), with what the polynomials `settled`, shape (degree + 1, n − 1), have at `time`, shape
     (k,) [s], and `scale` times the rest of `left`, shape (n − 1,), that has not faded yet."""
-    piece, last = 0, len(left) - 1
+    piece = 0
     for i in range(len(time)):
         t = min(max(time[i], stamps[0]), stamps[-1])
-        if t < stamps[piece] or t >= stamps[min(piece + 2, last + 1)]:
-            piece = min(max(np.searchsorted(stamps, t, side="right") - 1, 0), last)
-        elif piece < last and t >= stamps[piece + 1]:
-            piece += 1
+        piece = piece_at(stamps, t, piece)
         t -= stamps[piece]
         value = 0.0
         for row in range(settled.shape[0]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from analytic.compiled import fixed, njit
-from analytic.effects.following import settled
+from analytic.effects.following import piece_at, settled
 from analytic.motion import BeamMotion, FloatArray
 from analytic.quintic import QuinticMotion, through
 
@@ -90,16 +91,13 @@ def _swung(value: float, rate: float, time: float, lag: float, square: float) ->
     turn = np.sqrt(abs(apart))
     x = turn * time
     fading = np.exp(-decay * time)
-    even, odd = fading * (1.0 + 0.5 * x * x), fading * time
+    near = math.copysign(x * x, apart)
+    even, odd = fading * (1.0 + 0.5 * near), fading * time * (1.0 + near / 6.0)
     if x >= _NEAR and apart < 0.0:
         even, odd = fading * np.cos(x), fading * np.sin(x) / turn
     elif x >= _NEAR:
         slow, fast = np.exp(-time / (square * (decay + turn))), np.exp(-(decay + turn) * time)
         even, odd = 0.5 * (slow + fast), 0.5 * (slow - fast) / turn
-    elif apart < 0.0:
-        even, odd = fading * (1.0 - 0.5 * x * x), fading * time * (1.0 - x * x / 6.0)
-    else:
-        odd *= 1.0 + x * x / 6.0
     return value * even + (rate + decay * value) * odd, rate * even - (value / square + decay * rate) * odd
 
 
@@ -124,13 +122,10 @@ def _follow(
 ) -> None:
     """Fill `out`, shape (k, 3), with β, β̇, β̈ at `time`, shape (k,) [s]: of the polynomials `settled`, shape
     (degree + 1, n − 1), and what is left beside them, which is `left` at the start of a piece, shape (n − 1, 2)."""
-    piece, last = 0, len(left) - 1
+    piece = 0
     for i in range(len(time)):
         t = min(max(time[i], stamps[0]), stamps[-1])
-        if t < stamps[piece] or t >= stamps[min(piece + 2, last + 1)]:
-            piece = min(max(np.searchsorted(stamps, t, side="right") - 1, 0), last)
-        elif piece < last and t >= stamps[piece + 1]:
-            piece += 1
+        piece = piece_at(stamps, t, piece)
         t -= stamps[piece]
         value, slope, bend = 0.0, 0.0, 0.0
         for row in range(settled.shape[0]):
