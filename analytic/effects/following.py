@@ -90,7 +90,7 @@ class LaggedMotion:
 
 @njit(cache=True)
 def piece_at(stamps: FloatArray, time: float, piece: int) -> int:
-    """Number of the piece between stamps, shape (n,) [s], in which `time` [s] is; `piece` is that of the time before."""
+    """Number of the piece between stamps, shape (n,) [s], that `time` [s] is in; `piece` is that of the time before."""
     last = len(stamps) - 2
     if time < stamps[piece] or time >= stamps[min(piece + 2, last + 1)]:
         return min(max(int(np.searchsorted(stamps, time, side="right")) - 1, 0), last)
