@@ -4,6 +4,9 @@ A perfect engine misses the readings by their noise, and by where the error of t
 angle's posterior is drawn (`harness.signals.drive`), and each draw's deviation is integrated twice to a path of the
 ball. Residuals are divided by the root of the covariance of both, so that they are white with variance 1 for a complete
 model: least squares of them are generalised least squares (Aitken, 1935).
+
+An engine begins a window with a ball that rolls. So windows begin where a ball that may slide would roll: after the
+beam has been nearly level, as the friction that rolling needs grows with the tilt.
 """
 
 from __future__ import annotations
@@ -29,6 +32,8 @@ MOST = 24
 _CELL = 0.04  # readings within so long are averaged: free runs differ from readings slowly [s]
 _DRAWS = 256  # of the angle's error
 _FEWEST = 12  # cells of a window
+_CALM = 0.3  # for so long the beam is nearly level before a window [s]
+_MOVED = 1.0  # by which a window may begin earlier or later for that [s]
 _FIRST = 0.6  # over which a line through the readings gives the first guess of a start [s]
 _ROUNDING = 1e-6
 
@@ -66,14 +71,25 @@ class Stretch:
 
 
 def fitted_stretches(problem: Problem) -> tuple[Stretch, ...]:
-    """Consecutive windows of about 5 s over all recordings, of many an even choice."""
+    """Consecutive windows of about 5 s over all recordings, which begin where a ball rolls; of many an even choice."""
     found: list[Stretch] = []
     for recording in problem.recordings:
         begin, end = float(recording.time[0]), float(recording.time[-1])
         count = max(round((end - begin) / LENGTH), 1)
-        edges = np.linspace(begin, end + _ROUNDING, count + 1)
-        found += stretches_of(problem, recording, list(itertools.pairwise(edges.tolist())))
+        first, *inner, last = np.linspace(begin, end + _ROUNDING, count + 1).tolist()
+        edges = [first, *(_calmest(recording, edge) for edge in inner), last]
+        found += stretches_of(problem, recording, list(itertools.pairwise(edges)))
     return evenly_chosen(found, MOST)
+
+
+def _calmest(recording: PreparedRecording, time: float) -> float:
+    """The time near `time` [s] before which the largest tilt was smallest."""
+    drive = recording.drive
+    near = drive.time[np.abs(drive.time - time) <= _MOVED + _ROUNDING]
+    tilt, firsts = np.abs(drive.states[:, 0]), np.searchsorted(drive.time, near - _CALM - _ROUNDING)
+    lasts = np.searchsorted(drive.time, near, side="right")
+    largest = [float(tilt[first:last].max()) for first, last in zip(firsts, lasts, strict=True)]
+    return float(near[int(np.argmin(largest))])
 
 
 def stretches_of(problem: Problem, recording: PreparedRecording, spans: Sequence[tuple[float, float]]) -> list[Stretch]:
