@@ -129,6 +129,12 @@ def fit_free_runs(
     )
 
 
+def in_sample_losses(problem: Problem, windows: Sequence[Window], fits: Sequence[Fit]) -> tuple[float, ...]:
+    """Loss of each fit, taken to its optimum over `windows`, at the scale of the first one [m²]."""
+    made = [fit_free_runs(problem, one.refined, windows, initial=one.values(), effort=Effort.NEAR) for one in fits]
+    return tuple(one.loss(made[0].scale) for one in made)
+
+
 def _starting_points(
     problem: Problem, hypothesis: Hypothesis, initial: Mapping[tuple[str, str], float]
 ) -> list[FloatArray]:

@@ -54,7 +54,8 @@ class Evidence:
         holder: the fit with the effect to be replaced (SWAP), or without the spline term (ABSORB).
         without: fits without one or the other of the pair (SPLIT).
         before, after: deviance of each recording by fits to the others, without and with the term tried (SPLINE);
-            errors of held-out blocks, of the alternative and of the fit tried, each by its own estimator [m] (RESTORE).
+            errors of held-out blocks, of the alternative and of the fit tried, each by its own estimator [m] (RESTORE);
+            in-sample loss of both [m²], one number each (EXCHANGE).
         tests: number of candidates among which the significance level is divided (EXTEND).
         nested: whether the effect is nested in the spline term (ABSORB).
     """
@@ -244,9 +245,18 @@ class Criterion:
         return bool(np.mean(tried.held_out) <= np.mean(against.held_out)), _held_out_errors(tried, against)
 
     def _exchange(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best candidate replaces an effect if it surely reduces the held-out error, by more than a rival."""
+        """The best candidate replaces an effect if it surely reduces the held-out error, by more than a rival.
+
+        A reduction that is less than that is enough if the in-sample loss is lower too, by as much as a rival's: each
+        of the two scatters, and the price of a further parameter is paid in the held-out error.
+        """
         kept, text = self._held_out(tried, against, gain, evidence)
-        return kept and gain > self.settings.held_out_rival, text
+        kept = kept and gain > self.settings.held_out_rival
+        if not kept and gain > 0.0 and evidence.winner is tried and evidence.after:
+            share = 1.0 - evidence.after[0] / evidence.before[0]
+            kept = share > self.settings.held_out_rival
+            text += f"; its in-sample loss is {abs(share):.0%} {'lower' if share > 0.0 else 'higher'}"
+        return kept, text
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """An effect is kept if it reduces the held-out error by more than what its parameters have to."""

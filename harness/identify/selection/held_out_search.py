@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from analytic.effects import CATALOGUE
 from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit
-from harness.identify.estimate.free_run_fit import Effort, FreeRunFit, fit_free_runs
+from harness.identify.estimate.free_run_fit import Effort, FreeRunFit, fit_free_runs, in_sample_losses
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -224,6 +224,9 @@ class _Search:
         kept = None
         for fit in ranked:
             evidence = Evidence(winner=ranked[0], tests=tests)
+            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.gain(fit, against) > 0.0:
+                before, after = in_sample_losses(self.problem, self._windows, (against, fit))
+                evidence = replace(evidence, before=(before,), after=(after,))
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit
         return kept

@@ -13,10 +13,12 @@ import numpy as np
 from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit, quiet_deviance
+from harness.identify.estimate.free_run_fit import in_sample_losses
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
+from harness.identify.problem.windows import fitted_windows
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
@@ -215,6 +217,10 @@ def _evidence(
     tried, against = fits[line.fit], fits[line.against]
     if refit is not None and Rule(line.rule) is Rule.RESTORE:
         before, after = against.held_out, tuple(block_errors(problem, tried).tolist())
+    elif refit is not None and Rule(line.rule) is Rule.EXCHANGE:
+        if before:
+            losses = in_sample_losses(problem, fitted_windows(problem.recordings), (against, tried))
+            before, after = losses[:1], losses[1:]
     elif refit is not None and before:
         before, after = held_out_deviances(problem, against, tried, refit)
     return Evidence(
