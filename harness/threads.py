@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import threading
 from collections.abc import Callable, Iterable
@@ -15,12 +16,13 @@ _here = threading.local()
 
 
 def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:
-    """`map` in threads, one a processor, results in order; one by one within such a thread, and for a single argument.
+    """`map` in threads, one a processor, results in order.
 
-    Nothing depends on how many threads there are: each argument's result is computed by itself.
+    One by one within such a thread, for a single argument, and in one process of several, which have the processors for
+    themselves. Nothing depends on how many threads there are: each argument's result is computed by itself.
     """
     every = list(arguments)
-    if getattr(_here, "inside", False) or len(every) < 2:
+    if getattr(_here, "inside", False) or multiprocessing.parent_process() is not None or len(every) < 2:
         return [function(each) for each in every]
 
     def inside(argument: _S) -> _T:

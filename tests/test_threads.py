@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+from harness.parallel import side_by_side
 from harness.threads import in_threads
 
 
@@ -23,6 +24,15 @@ def test_threads_begin_no_threads() -> None:
 
     assert all(len(each) == 1 for each in in_threads(inner, range(4)))
     assert threading.get_ident() not in in_threads(lambda _: threading.get_ident(), range(4))
+
+
+def test_one_process_of_several_begins_no_threads() -> None:
+    """Work one by one in a process of several: together they have no more threads than processors."""
+
+    def used() -> int:
+        return len(set(in_threads(lambda _: threading.get_ident(), range(20))))
+
+    assert side_by_side([used, used], 2) == [1, 1]
 
 
 def test_an_exception_is_passed_on() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
@@ -25,6 +26,14 @@ from analytic.rig import Rig
 
 _EFFECTS = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
 CATALOGUE: Mapping[str, Effect] = MappingProxyType(_EFFECTS)
+
+
+def _of_name(name: str) -> Effect:
+    return _EFFECTS[name]
+
+
+# Laws are functions without a name of their own: an effect goes from process to process by its own.
+copyreg.pickle(Effect, lambda effect: (_of_name, (effect.name,)))
 
 
 @contextmanager

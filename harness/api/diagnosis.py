@@ -177,8 +177,9 @@ def diagnose(
         out: folder to write into at once, checked before anything is computed; nothing is written if none is given.
         force: replace files in `out` that no diagnosis wrote, or that have been changed since, too.
         yes: diagnose although it takes longer than ten minutes or more than 4 GB of memory.
-        jobs: processes that run engines and draw the report. More than 1 forks this process, which is not safe where
-            other threads hold locks, as they may in a notebook. The search uses threads on all cores in any case.
+        jobs: processes that run engines, search by held-out errors and draw the report. More than 1 forks this process,
+            which is not safe where other threads hold locks, as they may in a notebook. The search by likelihood uses
+            threads on all cores in any case.
         progress: show a bar on stderr, or a function to be told.
 
     Raises:

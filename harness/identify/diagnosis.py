@@ -88,12 +88,12 @@ def diagnose(
         progress: receives the progress texts.
         also: further recordings, used for validation only.
         length: of the beam, where it is known [m]; the next experiment may use all of it.
-        jobs: processes for the engines' runs (`harness.parallel`); 1 runs them in this process.
+        jobs: processes for the engines' runs and the search by held-out errors (`harness.parallel`); 1 for this one.
         settings: of the engines by their names; their defaults without.
         scene: of the user's own, which engines run in place of the built-in one.
     """
     failures = Failures()
-    identified = identify(problem, Stage(progress, *_SEARCH), failures)
+    identified = identify(problem, Stage(progress, *_SEARCH), failures, jobs=jobs)
     return validate(identified, failures, progress, also=also, length=length, jobs=jobs, settings=settings, scene=scene)
 
 

@@ -97,13 +97,15 @@ class Identification:
         return tuple(dict.fromkeys(regressor for spline in splines if spline for regressor in _regressors(spline)))
 
 
-def identify(problem: Problem, progress: Progress = silent, failures: Failures | None = None) -> Identification:
+def identify(
+    problem: Problem, progress: Progress = silent, failures: Failures | None = None, *, jobs: int = 1
+) -> Identification:
     """Select the missing terms and give the verdict, as `harness diagnose` reports and blind trials calibrate it.
 
     Args:
-        failures: as of `search`.
+        failures, jobs: as of `search`.
     """
-    return judge(search(problem, progress, failures), failures)
+    return judge(search(problem, progress, failures, jobs=jobs), failures)
 
 
 def judge(selection: Selection, failures: Failures | None = None) -> Identification:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import astuple
 
 import numpy as np
@@ -57,6 +58,12 @@ def felt(effects: list[Acting], states: list[tuple[float, ...]] = STATES) -> Flo
 def at(effect: Effect, **changed: float) -> list[Acting]:
     """The effect at its typical values, but for those given."""
     return [acting(effect.name, {one.name: one.typical for one in effect.parameters} | changed)]
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=lambda effect: effect.name)
+def test_an_effect_goes_from_process_to_process_by_its_name(effect: Effect) -> None:
+    """Be the catalogue's own entry again after pickling, laws and all."""
+    assert pickle.loads(pickle.dumps(effect)) is effect
 
 
 # Not the pivot, which is where the rig file says, nor a ball that slips, the less the larger its friction, never not at

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
+from functools import partial
+from itertools import chain, groupby
 
 import numpy as np
 
@@ -18,44 +19,49 @@ from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
 from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import Window, blocks_of
+from harness.identify.problem.windows import Block, Window, blocks_of
+from harness.parallel import side_by_side
 
 _SHARE = 0.95  # of the readings that the band shall hold
 
 
-def cross_validated(problem: Problem, whole: Fit) -> Fit:
+def cross_validated(problem: Problem, whole: Fit, *, jobs: int = 1) -> Fit:
     """A fit to free runs with the errors of held-out blocks, and the process noise that predicts these best.
 
     Of densities that predict as well the highest is taken: it trusts the readings most.
 
     Args:
         whole: to all windows.
+        jobs: processes for the folds.
     """
-    errors: list[FloatArray] = []
-    blocks = blocks_of(problem.recordings)
-    fits: list[Fit] = []
-    for _, group in groupby(blocks, key=lambda block: block.group):
-        out = list(group)
-        part = fit_without(problem, whole, out[0].fitted)
-        by_density = errors_by_density(problem, part, [window for block in out for window in block.held_out])
-        ends = np.cumsum([len(block.held_out) for block in out])[:-1]
-        errors += [np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)]
-        fits += [part] * len(out)
-    of_blocks = np.array(errors)  # (blocks, densities)
+    folds = [list(group) for _, group in groupby(blocks_of(problem.recordings), key=lambda block: block.group)]
+    made = side_by_side([partial(_without, problem, whole, fold) for fold in folds], jobs)
+    of_blocks = np.concatenate([errors for _, errors in made])
     means = np.mean(of_blocks, axis=0)
     best = int(np.flatnonzero(means <= (1.0 + problem.settings.held_out_rival) * means.min())[-1])
     density = float(DENSITIES[best])
-    ratios = [
-        np.abs(normalised_errors(problem, replace(part, process_noise=density), block.held_out))
-        for part, block in zip(fits, blocks, strict=True)
-    ]
+    parts = [replace(part, process_noise=density) for part, _ in made]
+    ratios = side_by_side([partial(_ratios, problem, *each) for each in zip(parts, folds, strict=True)], jobs)
     return replace(
         whole,
         process_noise=density,
         deviance=deviance(problem, whole.terms, density),
         held_out=tuple(of_blocks[:, best].tolist()),
-        band=widened(ratios) / TWO_SIDED,
+        band=widened(list(chain.from_iterable(ratios))) / TWO_SIDED,
     )
+
+
+def _without(problem: Problem, whole: Fit, blocks: Sequence[Block]) -> tuple[Fit, FloatArray]:
+    """The fit without blocks that are held out together, and their errors, shape (blocks, densities) [m]."""
+    part = fit_without(problem, whole, blocks[0].fitted)
+    by_density = errors_by_density(problem, part, [window for block in blocks for window in block.held_out])
+    ends = np.cumsum([len(block.held_out) for block in blocks])[:-1]
+    return part, np.array([np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)])
+
+
+def _ratios(problem: Problem, part: Fit, blocks: Sequence[Block]) -> list[FloatArray]:
+    """Sizes of the errors of each block over their deviations, shape (readings of the block,) each [1]."""
+    return [np.abs(normalised_errors(problem, part, block.held_out)) for block in blocks]
 
 
 def widened(ratios: Sequence[FloatArray]) -> float:

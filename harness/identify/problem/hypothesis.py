@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -92,6 +93,10 @@ class Hypothesis:
 
     names: tuple[str, ...]
     spline: SplineTerm | None = None
+
+    def __reduce__(self) -> tuple[type[Hypothesis], tuple[Any, ...]]:
+        """From process to process go the fields alone: what follows from them holds laws, which are functions."""
+        return Hypothesis, (self.names, self.spline)
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:

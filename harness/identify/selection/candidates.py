@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
 
 from analytic.effects import CATALOGUE
-from harness.failures import Failures, Part, attempt
+from harness.failures import Failed, Failures, Part, caught
 from harness.identify.estimate.fit import Fit, fit, quiet_deviance, unrefined
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.estimate.starts import starting_points
@@ -18,6 +19,7 @@ from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
+from harness.parallel import side_by_side
 from harness.progress import Progress
 from harness.threads import in_threads
 
@@ -235,14 +237,22 @@ def _with(base: Fit, name: str) -> Hypothesis:
 
 
 def fitted_each(
-    function: Callable[[_S], _T], arguments: Sequence[_S], title: Callable[[_S], str], failures: Failures | None
+    function: Callable[[_S], _T],
+    arguments: Sequence[_S],
+    title: Callable[[_S], str],
+    failures: Failures | None,
+    *,
+    jobs: int = 1,
+    begins: Callable[[_S], None] = lambda _: None,
 ) -> list[tuple[_S, _T]]:
-    """Each argument with its result, in order, computed in threads; without those of which the function raises, or
-    whose deviance is no number.
+    """Each argument with its result, in order; without those of which the function raises, or whose deviance is no
+    number.
 
     Args:
+        function: computed in threads, or, where it is mostly Python, in `jobs` processes.
         title: names the candidate of an argument.
         failures: collects them; `None` lets them raise.
+        begins: told of each argument when its turn comes, in this process.
     """
 
     def checked(argument: _S) -> _T:
@@ -252,7 +262,30 @@ def fitted_each(
                 raise FloatingPointError("the deviance of this fit is not a number")
         return result
 
-    def tried(argument: _S) -> list[tuple[_S, _T]]:
-        return attempt(failures, Part.CANDIDATE, title(argument), lambda: [(argument, checked(argument))], [])
+    def tried(argument: _S) -> _T | Failed:
+        if failures is None:
+            return checked(argument)
+        return caught(Part.CANDIDATE, title(argument), partial(checked, argument))
 
-    return [pair for pairs in in_threads(tried, arguments) for pair in pairs]
+    def told(argument: _S) -> _T | Failed:
+        begins(argument)
+        return tried(argument)
+
+    def began(turns: slice) -> None:
+        for argument in arguments[turns]:
+            begins(argument)
+
+    if jobs > 1:
+        began(slice(0, jobs))
+        results = side_by_side(
+            [partial(tried, one) for one in arguments], jobs, lambda done: began(slice(jobs + done - 1, jobs + done))
+        )
+    else:
+        results = in_threads(told, arguments)
+    pairs = []
+    for argument, result in zip(arguments, results, strict=True):
+        if not isinstance(result, Failed):
+            pairs.append((argument, result))
+        elif failures is not None:
+            failures.add(result)
+    return pairs

@@ -10,8 +10,9 @@ together, every subset of them; further ones one at a time.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -29,12 +30,15 @@ from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.progress import Progress
 
+_S = TypeVar("_S")
+_T = TypeVar("_T")
+
 _OF_A_SIZE = 2  # sets of common effects that are cross-validated: a set is rarely best that fits worse than two others
 _VANISHED = 1e-3  # of its typical size: a strength below which an effect is not there
 
 
 def search_by_held_out_errors(
-    problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress
+    problem: Problem, base: Fit, found: Fit, ledger: Ledger, progress: Progress, *, jobs: int = 1
 ) -> tuple[Fit, Fit]:
     """Fits without and with the terms that predict held-out blocks best.
 
@@ -43,10 +47,11 @@ def search_by_held_out_errors(
 
     Args:
         base, found: fits by likelihood, without and with the terms that it selects.
+        jobs: processes for the fits, of which many are of short recordings and little of that is compiled code.
     """
     if len(blocks_of(problem.recordings)) < problem.settings.min_blocks:
         return base, found
-    search = _Search(problem, ledger, progress)
+    search = _Search(problem, ledger, progress, jobs)
     plain, best = search.jointly(base, found)
     if best is not None and search.restores(found, best):
         return base, found
@@ -69,6 +74,7 @@ class _Search:
     problem: Problem
     ledger: Ledger
     progress: Progress
+    jobs: int = 1
     _windows: tuple[Window, ...] = field(init=False)
     _scale: float = field(init=False)
 
@@ -84,7 +90,7 @@ class _Search:
         problem = self.problem
         first = self._fitted([(base.hypothesis, base)])[0]
         self._scale = first.scale
-        plain = cross_validated(problem, first.fit)
+        plain = cross_validated(problem, first.fit, jobs=self.jobs)
         common = [name for name in candidates(problem) if CATALOGUE[name].relations.common]
         fits = {frozenset[str](): first}
         for size in range(1, len(common) + 1):
@@ -188,11 +194,13 @@ class _Search:
         """The fits with their held-out errors."""
 
         def validated(fit: Fit) -> Fit:
-            self.progress(f"cross-validation: {self._title(fit.hypothesis)}")
-            return cross_validated(self.problem, fit)
+            return cross_validated(self.problem, fit, jobs=self.jobs)
 
-        each = fitted_each(validated, fits, lambda fit: self._title(fit.hypothesis), self.ledger.failures)
-        return [one for _, one in each]
+        # In processes one after the other: there are more folds of each than fits.
+        turns = [[fit] for fit in fits] if self.jobs > 1 else [fits]
+        return [
+            one for turn in turns for one in self._each("cross-validation", validated, turn, lambda fit: fit.hypothesis)
+        ]
 
     def _ranked(self, tried: Sequence[tuple[Hypothesis, Fit]], *, effort: Effort = Effort.FULL) -> list[FreeRunFit]:
         """Fits in which no effect vanishes, lowest loss first."""
@@ -204,11 +212,27 @@ class _Search:
 
         def fitted(each: tuple[Hypothesis, Fit]) -> FreeRunFit:
             hypothesis, begin = each
-            self.progress(f"free runs: {self._title(hypothesis)}")
             return fit_free_runs(self.problem, hypothesis, self._windows, initial=begin.values(), effort=effort)
 
-        each = fitted_each(fitted, tried, lambda one: self._title(one[0]), self.ledger.failures)
-        return [one for _, one in each]
+        return self._each("free runs", fitted, tried, lambda one: one[0])
+
+    def _each(
+        self, doing: str, function: Callable[[_S], _T], arguments: Sequence[_S], of: Callable[[_S], Hypothesis]
+    ) -> list[_T]:
+        """The results of all arguments for which there is one.
+
+        Args:
+            doing: what is told of each, with the terms of its hypothesis `of`.
+        """
+
+        def title(argument: _S) -> str:
+            return self._title(of(argument))
+
+        def begins(argument: _S) -> None:
+            self.progress(f"{doing}: {title(argument)}")
+
+        done = fitted_each(function, arguments, title, self.ledger.failures, jobs=self.jobs, begins=begins)
+        return [result for _, result in done]
 
     def _title(self, hypothesis: Hypothesis) -> str:
         terms = [name for name in hypothesis.names if name not in self.problem.unknown]

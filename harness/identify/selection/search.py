@@ -37,7 +37,9 @@ class Selection:
     ledger: tuple[Line, ...]
 
 
-def search(problem: Problem, progress: Progress = silent, failures: Failures | None = None) -> Selection:
+def search(
+    problem: Problem, progress: Progress = silent, failures: Failures | None = None, *, jobs: int = 1
+) -> Selection:
     """Select the terms that the recordings require beside the known effects.
 
     Where the ball tells after the first of them that the beam moves more roughly than its angle's readings show, the
@@ -45,6 +47,7 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
 
     Args:
         failures: collects candidates and steps that raise, without which the search goes on; `None` lets them raise.
+        jobs: processes for the search by held-out errors (`harness.parallel`).
     """
     ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
@@ -53,7 +56,7 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
         "roughness of the beam", lambda: with_beam_roughness(problem, begun.kept or base, progress), problem
     )
     if rougher is not problem:
-        return search(rougher, progress, failures)
+        return search(rougher, progress, failures, jobs=jobs)
     found = _by_likelihood(problem, base, begun, ledger, progress)
     windows = windows_of(problem.recordings)
     # Free runs over a few windows do not find the values of a curve, and where a ball rolls over hills and hollows they
@@ -62,7 +65,9 @@ def search(problem: Problem, progress: Progress = silent, failures: Failures | N
     if not complete and ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
         chosen = base, found
         base, found = ledger.attempt(
-            "search by held-out errors", lambda: search_by_held_out_errors(problem, *chosen, ledger, progress), chosen
+            "search by held-out errors",
+            lambda: search_by_held_out_errors(problem, *chosen, ledger, progress, jobs=jobs),
+            chosen,
         )
     return Selection(problem, base, found, tuple(ledger.lines))
 
