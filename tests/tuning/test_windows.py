@@ -21,10 +21,10 @@ FRICTION, TILT = 0.01, -3.6e-3  # μ, near where the ball slides on the steepest
 
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """A simulated recording of 8 s in which the ball slides when the beam is steep."""
+    """A simulated recording of 16 s in which the ball slides when the beam is steep."""
     hidden = {"level_error": {"angle": TILT}, "contact_slip": {"friction_coefficient": FRICTION}}
     experiment = Experiment(
-        rig=Rig(), hidden=hidden, duration=8.0, counts=4096, rate=50.0, identify=1, predict=0, seed=604_003
+        rig=Rig(), hidden=hidden, duration=16.0, counts=4096, rate=50.0, identify=1, predict=0, seed=604_003
     )
     folder = tmp_path_factory.mktemp("sliding") / "case"
     write_case(folder, experiment, experiment.recordings(None))
@@ -32,13 +32,13 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 
 
 def test_windows_begin_after_the_beam_was_nearly_level(problem: Problem) -> None:
-    """Begin a window at less than a third of the largest tilt, and lose no reading between two windows."""
+    """Begin a window at six tenths of the largest tilt at most, and lose no reading between two windows."""
     (recording,) = problem.recordings
     first, second = fitted_stretches(problem)
     tilt = np.abs(np.interp(second.time[0], recording.drive.time, recording.drive.states[:, 0]))
-    assert tilt < 0.3 * np.max(np.abs(recording.drive.states[:, 0]))
+    assert tilt < 0.6 * np.max(np.abs(recording.drive.states[:, 0]))
     assert second.time[0] - first.time[-1] == pytest.approx(0.04, abs=0.02)  # one cell after the other
-    assert second.time[0] == pytest.approx(4.0, abs=1.05)
+    assert second.time[0] == pytest.approx(8.0, abs=1.05)
 
 
 def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Problem) -> None:
@@ -60,5 +60,5 @@ def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Probl
         assert abs(found.values[name] - value) < 4.0 * (high - low) / (2.0 * 1.96)
     (recording,) = problem.recordings
     steepest = float(recording.drive.time[np.argmax(np.abs(recording.drive.states[:, 0]))])
-    badly_begun = stretches_of(problem, recording, [(steepest, 9.0)])
+    badly_begun = stretches_of(problem, recording, [(steepest, 17.0)])
     assert not fit(model, badly_begun, tuned, truth).complete

@@ -5,8 +5,9 @@ angle's posterior is drawn (`harness.signals.drive`), and each draw's deviation 
 ball. Residuals are divided by the root of the covariance of both, so that they are white with variance 1 for a complete
 model: least squares of them are generalised least squares (Aitken, 1935).
 
-An engine begins a window with a ball that rolls. So windows begin where a ball that may slide would roll: after the
-beam has been nearly level, as the friction that rolling needs grows with the tilt.
+An engine begins a window with a ball that rolls. So there are few windows, longer ones than those of a diagnosis, and
+they begin where a ball that may slide would roll: after the beam has been nearly level, as the friction that rolling
+needs grows with the tilt.
 """
 
 from __future__ import annotations
@@ -22,12 +23,11 @@ from scipy.linalg import solve_triangular
 
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.numerics import evenly_chosen
 
-LENGTH = KNOWN + AHEAD
-"""Length of a free run [s], that of the windows of a diagnosis."""
-MOST = 24
+LENGTH = 10.0
+"""Length of a free run, at most half as long again [s]."""
+MOST = 12
 """Windows that are fitted to: of many, so many are taken evenly, since an engine runs through each of them."""
 _CELL = 0.04  # readings within so long are averaged: free runs differ from readings slowly [s]
 _DRAWS = 256  # of the angle's error
@@ -71,7 +71,7 @@ class Stretch:
 
 
 def fitted_stretches(problem: Problem) -> tuple[Stretch, ...]:
-    """Consecutive windows of about 5 s over all recordings, which begin where a ball rolls; of many an even choice."""
+    """Consecutive windows of about 10 s over all recordings, which begin where a ball rolls; of many an even choice."""
     found: list[Stretch] = []
     for recording in problem.recordings:
         begin, end = float(recording.time[0]), float(recording.time[-1])
