@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli.termination import terminable
+from harness.errors import Terminated
 from tests.acceptance.short import write_short_case
 
 ROOT = Path(__file__).parents[2]
@@ -137,3 +139,23 @@ def test_a_signal_that_becomes_another_error_is_told_as_the_signal(number: str, 
     done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == code
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(("number", "raised"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)])
+def test_a_signal_during_a_finaliser_is_not_lost(
+    number: signal.Signals, raised: type[BaseException], capfd: pytest.CaptureFixture[str]
+) -> None:
+    """End the command, without a traceback, though Python drops what is raised while an object is finalised."""
+
+    class Finalised:
+        def __del__(self) -> None:
+            signal.raise_signal(number)
+
+    def work() -> None:
+        with terminable():
+            Finalised()
+            time.sleep(5.0)
+
+    with pytest.raises(raised):
+        work()
+    assert capfd.readouterr().err == ""
