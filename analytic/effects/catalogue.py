@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copyreg
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
 
@@ -32,8 +33,18 @@ def _of_name(name: str) -> Effect:
     return _EFFECTS[name]
 
 
-# Laws are functions without a name of their own: an effect goes from process to process by its own.
-copyreg.pickle(Effect, lambda effect: (_of_name, (effect.name,)))
+def _by_name(effect: Effect) -> tuple[Callable[[str], Effect], tuple[str]]:
+    """How an effect goes from process to process: by its name, as laws are functions without one.
+
+    Raises:
+        pickle.PicklingError: it is not in the catalogue.
+    """
+    if _EFFECTS.get(effect.name) is not effect:
+        raise pickle.PicklingError(f"the effect {effect.name!r} is not that of the catalogue")
+    return _of_name, (effect.name,)
+
+
+copyreg.pickle(Effect, _by_name)
 
 
 @contextmanager

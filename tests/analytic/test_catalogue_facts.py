@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import astuple
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -64,6 +64,8 @@ def at(effect: Effect, **changed: float) -> list[Acting]:
 def test_an_effect_goes_from_process_to_process_by_its_name(effect: Effect) -> None:
     """Be the catalogue's own entry again after pickling, laws and all."""
     assert pickle.loads(pickle.dumps(effect)) is effect
+    with pytest.raises(pickle.PicklingError, match="not that of the catalogue"):
+        pickle.dumps(replace(effect, phrase="another law under the same name"))
 
 
 # Not the pivot, which is where the rig file says, nor a ball that slips, the less the larger its friction, never not at

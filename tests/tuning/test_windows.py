@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     return problem_of(load_case(folder))
 
 
-def test_windows_begin_after_the_beam_was_nearly_level(problem: Problem) -> None:
+def test_windows_begin_where_the_beam_is_least_steep(problem: Problem) -> None:
     """Begin a window at six tenths of the largest tilt at most, and lose no reading between two windows."""
     (recording,) = problem.recordings
     first, second = fitted_stretches(problem)
@@ -39,6 +41,21 @@ def test_windows_begin_after_the_beam_was_nearly_level(problem: Problem) -> None
     assert tilt < 0.6 * np.max(np.abs(recording.drive.states[:, 0]))
     assert second.time[0] - first.time[-1] == pytest.approx(0.04, abs=0.02)  # one cell after the other
     assert second.time[0] == pytest.approx(8.0, abs=1.05)
+
+
+def test_a_window_begins_at_a_reading(problem: Problem) -> None:
+    """Begin the second window at the first reading after a drop-out, and at the even division on a beam at rest."""
+    (recording,) = problem.recordings
+    time = recording.time
+    lost = replace(recording, reading=np.where((time > 6.9) & (time < 8.5), np.nan, recording.reading))
+    first, second = fitted_stretches(replace(problem, recordings=(lost,)))
+    assert 8.5 <= second.time[0] < 9.05
+    assert first.time[-1] == pytest.approx(6.9, abs=0.1) or second.time[0] - first.time[-1] < 0.1
+    nothing = replace(recording, reading=np.where((time > 6.9) & (time < 9.1), np.nan, recording.reading))
+    assert len(fitted_stretches(replace(problem, recordings=(nothing,)))) == 2
+    drive = recording.drive
+    level = replace(recording, drive=replace(drive, states=np.zeros_like(drive.states)))
+    assert fitted_stretches(replace(problem, recordings=(level,)))[1].time[0] == pytest.approx(8.0, abs=0.03)
 
 
 def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Problem) -> None:

@@ -5,9 +5,9 @@ angle's posterior is drawn (`harness.signals.drive`), and each draw's deviation 
 ball. Residuals are divided by the root of the covariance of both, so that they are white with variance 1 for a complete
 model: least squares of them are generalised least squares (Aitken, 1935).
 
-An engine begins a window with a ball that rolls. So there are few windows, longer ones than those of a diagnosis, and
-they begin where a ball that may slide would roll: after the beam has been nearly level, as the friction that rolling
-needs grows with the tilt.
+An engine begins a window with a ball that rolls. So windows are few and long, and all but a recording's first begin
+where, within 1 s, the beam was least steep: the friction that rolling needs grows with the tilt. A ball may slide
+there, too.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.numerics import evenly_chosen
 
 LENGTH = 10.0
-"""Length of a free run, at most half as long again [s]."""
+"""Length of a free run; a recording of half as much again is one [s]."""
 MOST = 12
 """Windows that are fitted to: of many, so many are taken evenly, since an engine runs through each of them."""
 _CELL = 0.04  # readings within so long are averaged: free runs differ from readings slowly [s]
 _DRAWS = 256  # of the angle's error
 _FEWEST = 12  # cells of a window
-_CALM = 0.3  # for so long the beam is nearly level before a window [s]
+_BEFORE = 0.3  # a window, over which the largest tilt counts [s]
 _MOVED = 1.0  # by which a window may begin earlier or later for that [s]
 _FIRST = 0.6  # over which a line through the readings gives the first guess of a start [s]
 _ROUNDING = 1e-6
@@ -71,25 +71,35 @@ class Stretch:
 
 
 def fitted_stretches(problem: Problem) -> tuple[Stretch, ...]:
-    """Consecutive windows of about 10 s over all recordings, which begin where a ball rolls; of many an even choice."""
+    """Consecutive windows of about 10 s over all recordings, of many an even choice.
+
+    All but a recording's first begin where the beam is least steep.
+    """
     found: list[Stretch] = []
     for recording in problem.recordings:
         begin, end = float(recording.time[0]), float(recording.time[-1])
         count = max(round((end - begin) / LENGTH), 1)
         first, *inner, last = np.linspace(begin, end + _ROUNDING, count + 1).tolist()
-        edges = [first, *(_calmest(recording, edge) for edge in inner), last]
+        edges = [first, *(_least_steep(recording, edge) for edge in inner), last]
         found += stretches_of(problem, recording, list(itertools.pairwise(edges)))
     return evenly_chosen(found, MOST)
 
 
-def _calmest(recording: PreparedRecording, time: float) -> float:
-    """The time near `time` [s] before which the largest tilt was smallest."""
+def _least_steep(recording: PreparedRecording, time: float) -> float:
+    """The stamp of a reading near `time` [s] before which the largest tilt was smallest, of several the nearest.
+
+    `time` itself where there is no reading near.
+    """
     drive = recording.drive
-    near = drive.time[np.abs(drive.time - time) <= _MOVED + _ROUNDING]
-    tilt, firsts = np.abs(drive.states[:, 0]), np.searchsorted(drive.time, near - _CALM - _ROUNDING)
+    known = recording.time[np.isfinite(recording.reading)]
+    near = known[np.abs(known - time) <= _MOVED + _ROUNDING]
+    if not len(near):
+        return time
+    tilt = np.abs(drive.states[:, 0])
+    firsts = np.searchsorted(drive.time, near - _BEFORE - _ROUNDING)
     lasts = np.searchsorted(drive.time, near, side="right")
-    largest = [float(tilt[first:last].max()) for first, last in zip(firsts, lasts, strict=True)]
-    return float(near[int(np.argmin(largest))])
+    largest = np.array([tilt[first:last].max() for first, last in zip(firsts, lasts, strict=True)])
+    return float(near[np.lexsort((np.abs(near - time), largest))[0]])
 
 
 def stretches_of(problem: Problem, recording: PreparedRecording, spans: Sequence[tuple[float, float]]) -> list[Stretch]:
