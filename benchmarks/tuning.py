@@ -58,7 +58,7 @@ class Kind:
         title: in the table.
         parameter: of the engine; empty if none.
         low, high: between which it is drawn, evenly on a logarithmic scale.
-        plant: `virtual rig` or `MuJoCo`.
+        plant: `_RIG`, or a key of `_ENGINES`.
         count: how many trials there are.
     """
 

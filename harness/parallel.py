@@ -28,6 +28,11 @@ Results = Callable[[], list[T]]
 _jobs: Sequence[Callable[[], Any]] = ()  # in a forked process
 
 
+def can_fork() -> bool:
+    """Whether jobs can run in forked processes: on Linux, and not within one of several processes."""
+    return sys.platform == "linux" and multiprocessing.parent_process() is None
+
+
 def side_by_side(
     jobs: Sequence[Callable[[], T]], workers: int, on_done: Callable[[int], None] = lambda _: None
 ) -> list[T]:
@@ -56,7 +61,7 @@ def meanwhile(
     No other process may be forked within the block.
     """
     workers = min(workers, len(jobs))
-    if workers < 2 or sys.platform != "linux" or multiprocessing.parent_process() is not None:
+    if workers < 2 or not can_fork():
         yield partial(_one_by_one, jobs, on_done)
         return
     others = set(multiprocessing.active_children())

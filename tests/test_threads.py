@@ -29,10 +29,10 @@ def test_threads_begin_no_threads() -> None:
 def test_one_process_of_several_begins_no_threads() -> None:
     """Work one by one in a process of several: together they have no more threads than processors."""
 
-    def used() -> int:
-        return len(set(in_threads(lambda _: threading.get_ident(), range(20))))
+    def alone() -> bool:
+        return set(in_threads(lambda _: threading.get_ident(), range(20))) == {threading.get_ident()}
 
-    assert side_by_side([used, used], 2) == [1, 1]
+    assert side_by_side([alone, alone], 2) == [True, True]
 
 
 def test_an_exception_is_passed_on() -> None:

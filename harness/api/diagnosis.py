@@ -179,7 +179,7 @@ def diagnose(
         yes: diagnose although it takes longer than ten minutes or more than 4 GB of memory.
         jobs: processes that run engines, search by held-out errors and draw the report. More than 1 forks this process,
             which is not safe where other threads hold locks, as they may in a notebook. The search by likelihood uses
-            threads on all cores in any case.
+            threads on all cores, and that by held-out errors with 1; but not within a process of `multiprocessing`.
         progress: show a bar on stderr, or a function to be told.
 
     Raises:

@@ -280,7 +280,7 @@ def tune(
             failures = Failures(tuned.failures)
             cam = None
             if tuned.held_out is not None:
-                job = partial(_cam, problem, known, Stage(tell, 0.9, 0.97, 20.0))
+                job = partial(_cam, problem, known, Stage(tell, 0.9, 0.97, 20.0), jobs)
                 cam = attempt(failures, Part.SEARCH, "effects of CAM", job, None)
             made = Tuning(case, tuned, cam, failures.all, time.monotonic() - begin, command)
             if scratch is not None:
@@ -304,7 +304,9 @@ def _known(case: Case, diagnosis: LoadedDiagnosis | str | Path | None, effects: 
     return kept
 
 
-def _cam(problem: Problem, known: LoadedDiagnosis | None, progress: Progress) -> CamErrors | None:
+def _cam(problem: Problem, known: LoadedDiagnosis | None, progress: Progress, jobs: int) -> CamErrors | None:
     from harness.tuning.cam import cam_of_record, cam_of_search
 
-    return cam_of_search(problem, progress) if known is None else cam_of_record(known.record, str(known.origin))
+    if known is None:
+        return cam_of_search(problem, progress, jobs=jobs)
+    return cam_of_record(known.record, str(known.origin))

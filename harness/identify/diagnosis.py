@@ -88,7 +88,7 @@ def diagnose(
         progress: receives the progress texts.
         also: further recordings, used for validation only.
         length: of the beam, where it is known [m]; the next experiment may use all of it.
-        jobs: processes for the engines' runs and the search by held-out errors (`harness.parallel`); 1 for this one.
+        jobs: processes for the engines' runs and the search by held-out errors (`harness.parallel`); 1 runs all here.
         settings: of the engines by their names; their defaults without.
         scene: of the user's own, which engines run in place of the built-in one.
     """

@@ -40,11 +40,11 @@ class CamErrors:
         return rms(self.before[chosen]), rms(self.after[chosen])
 
 
-def cam_of_search(problem: Problem, progress: Progress = silent) -> CamErrors:
-    """Search for effects, and predict every block by fits without it."""
+def cam_of_search(problem: Problem, progress: Progress = silent, *, jobs: int = 1) -> CamErrors:
+    """Search for effects, in `jobs` processes, and predict every block by fits without it."""
     progress("search for effects that CAM lacks")
     failures = Failures()
-    said = identify(problem, progress, failures)
+    said = identify(problem, progress, failures, jobs=jobs)
     same = said.found.hypothesis == said.base.hypothesis
     before = block_errors(problem, said.base)
     after = before if same else block_errors(problem, said.found)

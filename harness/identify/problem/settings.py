@@ -137,7 +137,8 @@ class Settings:
     )
     held_out_rival: float = _setting(
         0.05,
-        "share of the held-out error within which two hypotheses are indistinguishable [1]",
+        "share of the held-out error within which two hypotheses are indistinguishable, and of the in-sample loss by "
+        "which an exchange has to lower it where held-out errors leave it open [1]",
         "the standard error of a paired difference over a few dozen blocks",
     )
     validated_candidates: int = _setting(

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -72,7 +72,7 @@ KINDS = (Kind(Regressor.TIME), *_KERNEL)
 """Kinds of spline terms that are tried."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SplineTerm:
     """A spline term.
 
@@ -92,6 +92,20 @@ class SplineTerm:
     nodes: FloatArray
     harmonics: int = 0
     sensor: bool = False
+
+    def __eq__(self, other: object) -> bool:
+        """Whether kind, places and values are the same."""
+        if not isinstance(other, SplineTerm):
+            return NotImplemented
+        return self._but_nodes == other._but_nodes and np.array_equal(self.nodes, other.nodes)
+
+    def __hash__(self) -> int:
+        """Of all but the values."""
+        return hash(self._but_nodes)
+
+    @property
+    def _but_nodes(self) -> tuple[Any, ...]:
+        return self.depends, self.friction, self.low, self.step, self.harmonics, self.sensor
 
     @property
     def periodic(self) -> bool:

@@ -19,7 +19,7 @@ from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
-from harness.parallel import side_by_side
+from harness.parallel import can_fork, side_by_side
 from harness.progress import Progress
 from harness.threads import in_threads
 
@@ -249,7 +249,7 @@ def fitted_each(
     number.
 
     Args:
-        function: computed in threads, or, where it is mostly Python, in `jobs` processes.
+        function: computed in `jobs` forked processes, from which its results are pickled; in threads for one.
         title: names the candidate of an argument.
         failures: collects them; `None` lets them raise.
         begins: told of each argument when its turn comes, in this process.
@@ -275,7 +275,7 @@ def fitted_each(
         for argument in arguments[turns]:
             begins(argument)
 
-    if jobs > 1:
+    if jobs > 1 and can_fork():
         began(slice(0, jobs))
         results = side_by_side(
             [partial(tried, one) for one in arguments], jobs, lambda done: began(slice(jobs + done - 1, jobs + done))

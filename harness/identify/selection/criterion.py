@@ -255,7 +255,8 @@ class Criterion:
         if not kept and gain > 0.0 and evidence.winner is tried and evidence.after:
             share = 1.0 - evidence.after[0] / evidence.before[0]
             kept = share > self.settings.held_out_rival
-            text += f"; its in-sample loss is {abs(share):.0%} {'lower' if share > 0.0 else 'higher'}"
+            text += f"; its in-sample loss is {abs(share):.1%} {'lower' if share > 0.0 else 'higher'}"
+            text += "" if kept or share <= 0.0 else ", too little"
         return kept, text
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:

@@ -17,6 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from analytic.effects import CATALOGUE
+from harness.failures import Part, attempt
 from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Fit
@@ -28,6 +29,7 @@ from harness.identify.problem.windows import Window, blocks_of, fitted_windows, 
 from harness.identify.selection.candidates import candidates, fitted_each, selected_effects
 from harness.identify.selection.criterion import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
+from harness.parallel import can_fork
 from harness.progress import Progress
 
 _S = TypeVar("_S")
@@ -47,7 +49,7 @@ def search_by_held_out_errors(
 
     Args:
         base, found: fits by likelihood, without and with the terms that it selects.
-        jobs: processes for the fits, of which many are of short recordings and little of that is compiled code.
+        jobs: processes for the fits, which hold Python's global lock most of the time; 1 for threads.
     """
     if len(blocks_of(problem.recordings)) < problem.settings.min_blocks:
         return base, found
@@ -197,7 +199,7 @@ class _Search:
             return cross_validated(self.problem, fit, jobs=self.jobs)
 
         # In processes one after the other: there are more folds of each than fits.
-        turns = [[fit] for fit in fits] if self.jobs > 1 else [fits]
+        turns = [[fit] for fit in fits] if self.jobs > 1 and can_fork() else [fits]
         return [
             one for turn in turns for one in self._each("cross-validation", validated, turn, lambda fit: fit.hypothesis)
         ]
@@ -249,11 +251,21 @@ class _Search:
         for fit in ranked:
             evidence = Evidence(winner=ranked[0], tests=tests)
             if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.gain(fit, against) > 0.0:
-                before, after = in_sample_losses(self.problem, self._windows, (against, fit))
-                evidence = replace(evidence, before=(before,), after=(after,))
+                evidence = self._with_losses(evidence, fit, against)
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit
         return kept
+
+    def _with_losses(self, evidence: Evidence, fit: Fit, against: Fit) -> Evidence:
+        """The evidence of an exchange with the in-sample losses; without them if they cannot be computed."""
+        losses = attempt(
+            self.ledger.failures,
+            Part.CANDIDATE,
+            self._title(fit.hypothesis),
+            lambda: in_sample_losses(self.problem, self._windows, (against, fit)),
+            (),
+        )
+        return replace(evidence, before=losses[:1], after=losses[1:])
 
 
 def _predicts_as_well(problem: Problem, found: Fit, best: Fit) -> bool:

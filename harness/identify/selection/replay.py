@@ -195,8 +195,18 @@ def _decisions(
         for candidate, evidence in tried:
             among = any(evidence.winner is one for one, _ in tried)
             full = replace(evidence, winner=winner) if among else evidence
+            if refit is not None and Rule(rule) is Rule.EXCHANGE:
+                full = _with_losses(full, problem, candidate, fits[against], criterion)
             decisions.append(criterion.decide(Rule(rule), candidate, fits[against], full))
     return decisions
+
+
+def _with_losses(evidence: Evidence, problem: Problem, tried: Fit, against: Fit, criterion: Criterion) -> Evidence:
+    """The evidence of an exchange with the in-sample losses computed anew, which the winner of a round needs."""
+    if evidence.winner is not tried or not criterion.gain(tried, against) > 0.0:
+        return replace(evidence, before=(), after=())
+    before, after = in_sample_losses(problem, fitted_windows(problem.recordings), (against, tried))
+    return replace(evidence, before=(before,), after=(after,))
 
 
 def _winner(rule: Rule, tried: Sequence[tuple[Fit, Evidence]], criterion: Criterion) -> Fit | None:
@@ -217,11 +227,7 @@ def _evidence(
     tried, against = fits[line.fit], fits[line.against]
     if refit is not None and Rule(line.rule) is Rule.RESTORE:
         before, after = against.held_out, tuple(block_errors(problem, tried).tolist())
-    elif refit is not None and Rule(line.rule) is Rule.EXCHANGE:
-        if before:
-            losses = in_sample_losses(problem, fitted_windows(problem.recordings), (against, tried))
-            before, after = losses[:1], losses[1:]
-    elif refit is not None and before:
+    elif refit is not None and before and Rule(line.rule) is not Rule.EXCHANGE:
         before, after = held_out_deviances(problem, against, tried, refit)
     return Evidence(
         winner=None if recorded.winner is None else fits[recorded.winner],
