@@ -25,6 +25,7 @@ from harness.failures import Failures, Part, attempt
 from harness.identify.record import FILE, DiagnosisRecord
 from harness.progress import Progress
 from harness.recording import Recording, load_recording
+from harness.recording.case import typed_path
 from harness.recording.own_files import NEXT_EXPERIMENT
 from harness.recording.source import read_source
 
@@ -139,8 +140,8 @@ class Diagnosis(LoadedDiagnosis):
                 self.found,
                 self.record,
                 self.case,
-                command=self._asked.command("diagnose", self.case.path),
-                replay=self._asked.command("replay", folder, self.case.path, whole=False),
+                command=self._asked.command("diagnose", typed_path(self.case.path)),
+                replay=self._asked.command("replay", folder, typed_path(self.case.path), whole=False),
                 jobs=jobs,
                 failures=failures,
             ),

@@ -24,6 +24,7 @@ from harness.errors import InputError
 from harness.failures import Failed, Failures, Part, attempt
 from harness.progress import Progress, Stage
 from harness.provenance import versions
+from harness.recording.case import typed_path
 from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Tuning(Summarised):
         """What was found, what it gains, and what to do next."""
         from harness.report.tuning.words import sentences
 
-        return sentences(self.tuned, self.cam, str(self.case.path))
+        return sentences(self.tuned, self.cam, str(typed_path(self.case.path)))
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:

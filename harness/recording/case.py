@@ -85,9 +85,22 @@ def case_name(path: Path) -> str:
 
 
 def case_path(path: str | Path) -> Path:
-    """The path of a case; of a built-in one, if there is no such file or folder but this is its name."""
+    """The path of a case; of a built-in one, if this is its name and no file or folder with recordings in it."""
     path = Path(path)
-    return path if _holds(path.exists) else BUILT_IN.get(str(path), path)
+    built_in = BUILT_IN.get(str(path))
+    if built_in is None or (_holds(path.exists) and not _holds(lambda: _without_recordings(path))):
+        return path
+    return built_in
+
+
+def typed_path(path: Path) -> Path:
+    """What a user types for a case: the name of a built-in one, the path of any other."""
+    return next((Path(name) for name, one in BUILT_IN.items() if one == path), path)
+
+
+def _without_recordings(folder: Path) -> bool:
+    """Whether there is neither a `rig.toml` nor a recording in a folder, as in one of results."""
+    return not (folder / RIG_FILE).exists() and all(is_own(entry) for entry in _csv_files(folder))
 
 
 def _holds(question: Callable[[], bool]) -> bool:

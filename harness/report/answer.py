@@ -11,6 +11,7 @@ from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
 from harness.formatting import brief, length, number, plus_minus
 from harness.numerics import rms
+from harness.recording.case import typed_path
 from harness.report.palette import label_of, names
 from harness.report.standing import COVERAGE, Standing, standings
 
@@ -81,7 +82,7 @@ def facts_of(study: Study) -> Facts:
     ranked = standings(study, headline)
     return Facts(
         recording="the simulated recording" if setting.case.simulated else "the recording",
-        case=str(setting.case.path),
+        case=str(typed_path(setting.case.path)),
         seconds=headline.seconds,
         duration=float(setting.time[-1] - setting.time[whole.first[0]]),
         standings=ranked,

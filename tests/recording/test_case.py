@@ -11,7 +11,7 @@ import pytest
 from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording import Case, KnownRig, load_case
-from harness.recording.case import BUILT_IN
+from harness.recording.case import BUILT_IN, case_path, typed_path
 from tests.recording.simulated import ANGLE_STEP, POSITION_STEP, contract_columns, write
 
 RIG = '[ball]\nmass_kg = 0.071\n[recordings]\nidentify = ["a.csv"]\npredict = ["b.csv"]\n'
@@ -228,3 +228,20 @@ def test_bad_recording_spoils_the_case(folder: Path) -> None:
     (folder / "b.csv").write_text("time_s,beam_angle_rad\n0,zero\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"b\.csv, row 2, column 'beam_angle_rad'"):
         load_case(folder)
+
+
+def test_a_folder_of_results_does_not_hide_a_built_in_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take the built-in case beside a folder of its name without recordings, and the folder with one."""
+    monkeypatch.chdir(tmp_path)
+    folder = Path("open_ball_beam")
+    folder.mkdir()
+    (folder / "diagnosis.html").write_text("a result", encoding="utf-8")
+    assert case_path("open_ball_beam") == BUILT_IN["open_ball_beam"]
+    (folder / "rec_01.csv").write_text("time_s,beam_angle_rad,ball_position_m\n", encoding="utf-8")
+    assert case_path("open_ball_beam") == folder
+
+
+def test_a_built_in_case_is_called_by_its_name() -> None:
+    """Write its name, and not where it is installed, into commands to repeat."""
+    assert str(typed_path(BUILT_IN["open_ball_beam"])) == "open_ball_beam"
+    assert typed_path(Path("my_rig")) == Path("my_rig")

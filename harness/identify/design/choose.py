@@ -19,7 +19,7 @@ from harness.identify.design.closed_loop import SimulatedRun, simulate_closed_lo
 from harness.identify.design.discrimination import SteadyFilters, mean_innovations, open_loop_drift, rival_deviance
 from harness.identify.design.excitation import LIBRARY, OperatingEnvelope, Profile, envelope_of
 from harness.identify.design.proposal import NOTHING, Proposal, Separation
-from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
@@ -54,7 +54,9 @@ def choose_to_discriminate(
     steady_filters = SteadyFilters.of(
         envelope.interval, problem.reading_variance, problem.with_angle(found.process_noise)
     )
-    at_hand = [pair.fit.deviance - found.deviance for pair in pairs]
+    # Fits to free runs are no optima of their deviance, which then tells nothing of the present recordings.
+    by_likelihood = found.estimator is Estimator.LIKELIHOOD
+    at_hand = [pair.fit.deviance - found.deviance if by_likelihood else 0.0 for pair in pairs]
 
     def simulate(profile: Profile) -> SimulatedRun | None:
         return simulate_closed_loop(problem, found.terms, found.process_noise, profile, envelope)
@@ -148,7 +150,14 @@ def pairs_of(
             if fits:  # an effect replaced in a split was never tried beside the other of the pair
                 pairs.append(pair(name, rival, fits))
     tried = (line.fit for line in ledger)
-    others = [one for one in tried if _only_in(one, found) and _only_in(found, one) and not _contains(one, found)]
+    others = [
+        one
+        for one in tried
+        if one.estimator is found.estimator
+        and _only_in(one, found)
+        and _only_in(found, one)
+        and not _contains(one, found)
+    ]
     if not pairs and others:
         nearest = min(others, key=criterion.value)
         pairs.append(pair(" + ".join(_only_in(found, nearest)), " + ".join(_only_in(nearest, found)), [nearest]))

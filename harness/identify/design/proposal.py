@@ -100,12 +100,13 @@ def sentence(proposal: Proposal) -> str:
             f"The recordings distinguish {pair.found} from its nearest rival, {pair.rival}, by {pair.at_hand:.1f} σ; "
             f"to separate them further, {run}: expected separation {pair.expected:.1f} σ."
         )
-    text = (
-        f"To distinguish {pair.found} from {pair.rival}, {run}: expected separation {pair.expected:.1f} σ "
-        f"({pair.at_hand:.1f} σ on the data at hand)."
-    )
+    if pair.runs > MOST_RUNS and not pair.told:
+        return (
+            f"No motion within the operating envelope distinguishes {pair.found} from {pair.rival}: the best of them, "
+            f"“{proposal.profile.name}”, separates them by {pair.expected:.1f} σ, where {pair.needed:.1f} σ are needed."
+        )
+    at_hand = f" ({pair.at_hand:.1f} σ on the data at hand)" if pair.at_hand > 0.0 else ""
+    text = f"To distinguish {pair.found} from {pair.rival}, {run}: expected separation {pair.expected:.1f} σ{at_hand}."
     if pair.told:
         return text
-    if pair.runs > MOST_RUNS:
-        return f"{text} That is too little: no motion within the operating envelope distinguishes them."
     return f"{text} To reach the {pair.needed:.1f} σ that distinguish them, run it {pair.runs} times."

@@ -314,8 +314,12 @@ class Criterion:
         return comparable and self.value(fit) < self.value(found) + self.settings.rival
 
     def rival_separation(self, fit: Fit, found: Fit) -> float:
-        """Separation √ΔD from which `fit` is distinguishable from `found` [σ]."""
-        price = math.log(found.readings) * (len(fit.theta) - len(found.theta))
+        """Separation √ΔD from which `fit` is distinguishable from `found` [σ].
+
+        Parameters of fits to free runs were not paid for in the deviance.
+        """
+        by_likelihood = found.estimator is Estimator.LIKELIHOOD
+        price = math.log(found.readings) * (len(fit.theta) - len(found.theta)) if by_likelihood else 0.0
         return math.sqrt(max(self.settings.rival - price, 0.0))
 
     def detection_limit(self, readings: int, parameters: int) -> float:

@@ -193,7 +193,7 @@
           ` (${position >= measured ? "+" : ""}${report.text(Number((1e3 * (position - measured)).toFixed(2)), "mm", 6)})`;
         value.textContent = position === null ? "no value" : report.text(position, this.unit) + away + (beyond ? " ⇥ out of sight" : "");
       }
-      const text = `${at.toFixed(2)} s, α = ${report.text(degrees, "", 3)}°`;
+      const text = `${at.toFixed(2)} s, α = ${degrees.toFixed(2).replace(/^-(?=0\.00$)/, "").replace("-", "−")}°`;
       this.instant.textContent = text;
       this.slider.value = at;
       this.slider.setAttribute("aria-valuetext", `${at.toFixed(2)} seconds`);

@@ -90,12 +90,16 @@ def _table(account: Account, caption: str, cam: BeforeAfter, engines: Engines) -
 
 
 def _failures(account: Account) -> list[str]:
-    """Messages of failed engines, each once."""
+    """Messages of failed engines, each once, and whether only the model without the effects found fails so."""
     diagnosis = account.diagnosis
     sets = [diagnosis.engines, *(one.engines for one in diagnosis.also.values())]
     runs = [run for each in sets for one in each.values() for run in (one, one.get("heldout", {}))]
-    failed = [run[when]["failed"] for run in runs for when in ("before", "after") if "failed" in run.get(when, {})]
-    return list(dict.fromkeys(failed))
+    before, after = (
+        dict.fromkeys(run[when]["failed"] for run in runs if "failed" in run.get(when, {}))
+        for when in ("before", "after")
+    )
+    only = " (without the effects found)" if account.changed else ""
+    return [*after, *(f"{text}{only}" for text in before if text not in after)]
 
 
 def _innovations(account: Account) -> Table:

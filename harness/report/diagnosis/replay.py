@@ -17,7 +17,12 @@ def section(account: Account) -> Section:
     every = [*marks(account), *_held_out(account), *_left_out(account)]
     run = Run(shown.name, CHART, clock_of(shown), shown.time, shown.drive.states[:, 0], every)
     replay = Replay("replay-prediction", account.diagnosis.problem.rig, low, high, "recorded", [run])
-    context = {"replay": replay, "measured": account.measured, "name": shown.name, "changed": account.changed}
+    context = {
+        "replay": replay,
+        "measured": "recorded (simulated)" if account.case.simulated else "recorded",
+        "name": shown.name,
+        "changed": account.changed,
+    }
     return Section("replay", "Replay", "Replay", "diagnosis/replay.html", context, on_screen=True)
 
 

@@ -25,6 +25,7 @@ def section(account: Account) -> Section:
     residual, law, deviation = _trusted(account, "residual", "law", "deviation")
     context = {
         "changed": account.changed,
+        "larger": rms(residual - law) > rms(residual),
         "before": number(rms(residual)),
         "after": number(rms(residual - law)),
         "uncertainty": number(rms(deviation), 2),

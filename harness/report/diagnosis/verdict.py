@@ -9,7 +9,7 @@ from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.formatting import NONE, brief, number
 from harness.identify.design import proposal
-from harness.identify.estimate.fit import Estimator
+from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN
@@ -108,8 +108,26 @@ def _found(account: Account) -> Table:
             interval = f"{number(low, digits)} … {number(high, digits)}"
             cells = (*head, f"`{key}`", number(value, digits), interval, unit, rivals if first else "")
             rows.append(Row(cells, "best" if first else ""))
+    rows += _along(account)
     columns = [*texts("effect", "law", "parameter"), "value", "95 % interval", *texts("unit", "indistinguishable from")]
     return Table("Effects found (± above is half the width of these intervals)", columns, rows)
+
+
+def _along(account: Account) -> list[Row]:
+    """What is estimated along with the effects because the rig file does not give it."""
+    found, rows = account.diagnosis.found, []
+    values, deviations = found.values(), found.deviations()
+    for name in account.diagnosis.problem.unknown:
+        for one in CATALOGUE[name].parameters:
+            value, half = values[name, one.name], TWO_SIDED * float(deviations[name, one.name])
+            digits = _digits(value, 2.0 * half)
+            interval = f"{number(value - half, digits)} … {number(value + half, digits)}"
+            unit = "" if one.unit == "1" else one.unit
+            why = "estimated along: stands for what is unknown of the rig"
+            rows.append(
+                Row((f"`{name}`", CATALOGUE[name].law, f"`{one.name}`", number(value, digits), interval, unit, why))
+            )
+    return rows
 
 
 def _implausible(account: Account) -> list[tuple[str, str, str]]:

@@ -14,7 +14,7 @@ from harness.identify.design.choose import choose_to_detect, choose_to_discrimin
 from harness.identify.design.closed_loop import simulate_closed_loop
 from harness.identify.design.excitation import LIBRARY, envelope_of
 from harness.identify.design.proposal import MOST_RUNS, NOTHING, Proposal, Separation, sentence
-from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
@@ -213,6 +213,20 @@ def test_recordings_that_have_told_ask_for_no_more(radius: Short) -> None:
     )
 
 
+def test_deviances_of_fits_to_free_runs_tell_nothing_of_the_present_recordings(radius: Short) -> None:
+    """Expect of a new recording alone what it separates: such fits are no optima of their deviance, and may be far."""
+    found, rival = (
+        replace(one, estimator=Estimator.FREE_RUNS, held_out=(0.01,)) for one in (radius.found, radius.rival)
+    )
+    far = replace(rival, deviance=found.deviance - 1e6)
+    (pair,) = pairs_of(found, [tried(GAIN, far, found)], {RADIUS: (GAIN,)}, Criterion())
+    assert pair.needed == pytest.approx(math.sqrt(6.0))
+    proposal = choose_to_discriminate(radius.problem, found, [pair])
+    assert proposal is not None
+    assert proposal.separations[0].at_hand == 0.0
+    assert proposal.separations[0].expected > 0.1
+
+
 def told(proposal: Proposal, one: Separation) -> str:
     """The sentence for one separation."""
     return sentence(replace(proposal, separations=(one,)))
@@ -229,7 +243,9 @@ def test_the_sentence_says_what_to_do(proposal: Proposal) -> None:
     assert "To reach the 2.4 σ that distinguish them, run it 3 times." in told(proposal, thrice)
     vain = Separation("a", "b", 0.0, 0.1, 2.4)
     assert vain.runs > MOST_RUNS
-    assert "no motion within the operating envelope distinguishes them" in told(proposal, vain)
+    assert told(proposal, vain).startswith("No motion within the operating envelope distinguishes a from b")
+    assert "run the profile" not in told(proposal, vain)
+    assert told(proposal, Separation("a", "b", 0.0, 7.4, 2.4)).endswith("expected separation 7.4 σ.")
     assert "The recordings distinguish a from its nearest rival, b, by 9.0 σ" in told(
         proposal, Separation("a", "b", 9.0, 11.0, 2.4)
     )
