@@ -38,7 +38,7 @@ $(LOCKED): requirements.lock
 	@$(FIND_PYTHON); echo "Making .venv with $$($$found --version)" && $$found -m venv --clear .venv
 	@$(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 12))' || \
 	  echo 'PyBullet has no wheel for this Python and is compiled: that needs a C++ compiler and takes minutes.'
-	@echo "Installing $$(grep -c '^[a-z]' requirements.lock) packages, about 470 MB to fetch"
+	@echo "Installing $$(grep -c '^[a-z]' requirements.lock) packages, about 570 MB to fetch"
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --require-hashes -r requirements.lock
 	@echo '$(CURDIR)' > $@
 
