@@ -71,8 +71,8 @@ ENTRIES = (
         "What does the model lack? With a known truth",
         "Simulated data: a virtual rig with a rolling resistance of 0.004 and a level error of 4 mrad hidden in it.",
         "Both hidden effects are named, with their sizes. From the angle and the first two seconds (shaded), the "
-        "model with the effects found (orange) predicts the rest to a few millimetres; the declared model (blue) leaves "
-        "the picture.",
+        "model with the effects found (orange) predicts the rest to a few millimetres; the declared model (blue) "
+        "leaves the picture.",
         (
             "harness simulate --out virtual --hide rolling_resistance.coefficient=0.004 --hide level_error.angle=0.004",
             "harness diagnose virtual --out diagnosis_simulated",

@@ -43,8 +43,8 @@ def read_matlab(path: Path) -> SourceFile:
         groups.append(group)
         kinds.append(kind)
     advice = (
-        f"{', '.join(objects)}: a MATLAB object, whose data are stored in a form that only MATLAB reads. For a "
-        "timeseries x, save plain arrays there: t = x.Time; y = x.Data; save('plain.mat','t','y'). For "
+        f"{', '.join(objects)}: a MATLAB object, whose data are stored in a form that MATLAB does not document. For "
+        "a timeseries x, save plain arrays there: t = x.Time; y = x.Data; save('plain.mat','t','y'). For "
         "logged Simulink signals: x = out.logsout.get('NAME').Values. Or let To Workspace blocks save 'Structure With "
         "Time'"
     )

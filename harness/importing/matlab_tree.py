@@ -11,7 +11,7 @@ class Opaque:
 
     Attributes:
         kind: what it is; the class of an object, such as `timeseries`.
-        of_class: whether it is an object, whose data only MATLAB reads.
+        of_class: whether it is an object, whose form in the file is not documented.
     """
 
     kind: str
