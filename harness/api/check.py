@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from harness.api.outputs import sealed_json, write_csv
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.failures import Failures
+from harness.formatting import number
 from harness.progress import Progress, Stage
 from harness.provenance import versions
 from harness.recording import Case as CheckedCase
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from harness.identify.design.detection import Detection
+    from harness.identify.design.excitation import OperatingEnvelope
     from harness.identify.design.proposal import Proposal
     from harness.report.check.content import Subject
 
@@ -40,12 +43,14 @@ class Check(Summarised):
         reasons: why it is not fit for use; empty if it is.
         detection: detection limits; `None` where an input is not worth computing them.
         proposal: the motion to record instead; `None` if every effect shows or none would help.
+        envelope: ranges of the motions that were tried for it.
     """
 
     case: Case
     reasons: tuple[str, ...]
     detection: Detection | None = None
     proposal: Proposal | None = None
+    envelope: OperatingEnvelope | None = None
 
     @property
     def fit(self) -> bool:
@@ -71,8 +76,8 @@ class Check(Summarised):
             return ""
         if self.proposal is None:
             return (
-                "No motion that was tried within the ranges of these recordings would show more: let the beam turn "
-                "further or faster, or the ball roll farther."
+                f"No motion that was tried would show more{_within(self.envelope)}: let the beam turn further or "
+                "faster, or the ball roll farther."
             )
         from harness.identify.design.proposal import sentence
 
@@ -197,6 +202,7 @@ def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) 
             return Check(read, reasons)
         from harness.identify.design.choose import choose_to_detect
         from harness.identify.design.detection import detection_limits
+        from harness.identify.design.excitation import envelope_of
         from harness.identify.pose import problem_of
 
         tell("drives and rig", share=0.1)
@@ -209,11 +215,23 @@ def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) 
                 f"Too little to go by: {len(unseen)} of {len(found.limits)} effects would not show at their typical "
                 "size, so that finding none would mean nothing. Record longer, at a higher rate, or with more motion.",
             )
-        proposal = None
+        proposal, envelope = None, envelope_of(problem, read.rig.length)
         if unseen:
             tell("what to record instead", share=0.8)
             proposal = choose_to_detect(problem, found.base, unseen, length=read.rig.length)
-    return Check(read, reasons, found, proposal)
+    return Check(read, reasons, found, proposal, envelope)
+
+
+def _within(envelope: OperatingEnvelope | None) -> str:
+    """In which ranges, in words: those of the recordings, with a fifth more for the beam."""
+    if envelope is None:
+        return ""
+    angle, rate = math.degrees(envelope.angle), math.degrees(envelope.rate)
+    low, high = 1e3 * envelope.low, 1e3 * envelope.high
+    return (
+        f" within an angle of ±{number(angle)}° at up to {number(rate)} °/s and with the ball between {number(low)} "
+        f"and {number(high)} mm"
+    )
 
 
 def _worthless(case: Case) -> tuple[str, ...]:

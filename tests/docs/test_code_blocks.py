@@ -145,3 +145,17 @@ def test_the_effect_of_the_page_is_the_file() -> None:
     text = (ROOT / "docs" / "examples" / "magnet.py").read_text(encoding="utf-8")
     for name in ("own_effect.md", "diagnosis.md"):
         assert ("python", text) in blocks(ROOT / "docs" / name)
+
+
+def test_what_readme_links_to_is_there() -> None:
+    """Find every file that README links to, and every heading in it that a link names."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    links = {one for one in re.findall(r"\]\(([^)\s]+)\)", text) if not one.startswith(("http", "#"))}
+    assert len(links) > 20
+    for link in links:
+        file, _, heading = link.partition("#")
+        assert (ROOT / file).exists(), link
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE)
+            anchors = {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+            assert heading in anchors, link
