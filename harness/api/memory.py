@@ -91,6 +91,7 @@ def tuning_memory(recordings: Sequence[Recording], time_step: float, jobs: int) 
     """
     from harness.tuning.estimate.windows import LENGTH
 
+    # A recording of half as much again is one window.
     runs = max(jobs, 1) * 1.5 * LENGTH / time_step * _ENGINE_STEP
     drawn = _TUNED_DRAWS * max(len(one.time) for one in recordings) * (_MOTION + 3 * _FLOAT)
     return diagnosis_memory(recordings) + runs + drawn

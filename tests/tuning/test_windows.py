@@ -44,13 +44,15 @@ def test_windows_begin_where_the_beam_is_least_steep(problem: Problem) -> None:
 
 
 def test_a_window_begins_at_a_reading(problem: Problem) -> None:
-    """Begin the second window at the first reading after a drop-out, and at the even division on a beam at rest."""
+    """Begin a window at a reading behind a drop-out, and at the even division where no tilt is smaller."""
     (recording,) = problem.recordings
     time = recording.time
     lost = replace(recording, reading=np.where((time > 6.9) & (time < 8.5), np.nan, recording.reading))
     first, second = fitted_stretches(replace(problem, recordings=(lost,)))
     assert 8.5 <= second.time[0] < 9.05
-    assert first.time[-1] == pytest.approx(6.9, abs=0.1) or second.time[0] - first.time[-1] < 0.1
+    # The first window ends with the last reading before the second, behind the drop-out or before it.
+    ends = time[np.isfinite(lost.reading) & (time < second.time[0] - 0.02)][-1]
+    assert first.time[-1] == pytest.approx(ends, abs=0.05)
     nothing = replace(recording, reading=np.where((time > 6.9) & (time < 9.1), np.nan, recording.reading))
     assert len(fitted_stretches(replace(problem, recordings=(nothing,)))) == 2
     drive = recording.drive
@@ -74,6 +76,7 @@ def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Probl
     assert found.complete
     for name, value in truth.items():
         low, high = found.interval(name)
+        # one of 16,000 normal errors is larger
         assert abs(found.values[name] - value) < 4.0 * (high - low) / (2.0 * 1.96)
     (recording,) = problem.recordings
     steepest = float(recording.drive.time[np.argmax(np.abs(recording.drive.states[:, 0]))])

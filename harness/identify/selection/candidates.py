@@ -19,7 +19,7 @@ from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.criterion import Criterion
-from harness.parallel import can_fork, side_by_side
+from harness.parallel import side_by_side
 from harness.progress import Progress
 from harness.threads import in_threads
 
@@ -275,7 +275,7 @@ def fitted_each(
         for argument in arguments[turns]:
             begins(argument)
 
-    if jobs > 1 and can_fork():
+    if jobs > 1:
         began(slice(0, jobs))
         results = side_by_side(
             [partial(tried, one) for one in arguments], jobs, lambda done: began(slice(jobs + done - 1, jobs + done))

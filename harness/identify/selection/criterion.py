@@ -114,8 +114,13 @@ class Criterion:
         simplest = min(near, key=lambda fit: len(fit.theta), default=None)
         return [] if simplest is None else [simplest, *(fit for fit in ranked if fit is not simplest)]
 
-    def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT], tried: Fit, against: Fit) -> bool:
-        """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold."""
+    def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT, Rule.EXCHANGE], tried: Fit, against: Fit) -> bool:
+        """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold.
+
+        Of an exchange, unless it is large and sure.
+        """
+        if rule is Rule.EXCHANGE:
+            return self.gain(tried, against) > 0.0 and not self._surely_exchanged(tried, against)
         threshold = self.settings.spline_keep if rule is Rule.SPLINE else self.settings.pair_penalty
         return self.gain(tried, against) > threshold
 
@@ -251,13 +256,17 @@ class Criterion:
         of the two scatters, and the price of a further parameter is paid in the held-out error.
         """
         kept, text = self._held_out(tried, against, gain, evidence)
-        kept = kept and gain > self.settings.held_out_rival
-        if not kept and gain > 0.0 and evidence.winner is tried and evidence.after:
+        kept = kept and self._surely_exchanged(tried, against)
+        if evidence.winner is tried and evidence.after and self.needs_evidence(Rule.EXCHANGE, tried, against):
             share = 1.0 - evidence.after[0] / evidence.before[0]
             kept = share > self.settings.held_out_rival
             text += f"; its in-sample loss is {abs(share):.1%} {'lower' if share > 0.0 else 'higher'}"
             text += "" if kept or share <= 0.0 else ", too little"
         return kept, text
+
+    def _surely_exchanged(self, tried: Fit, against: Fit) -> bool:
+        """Whether the held-out error is surely lower, and by more than a rival's."""
+        return self.gain(tried, against) > self.settings.held_out_rival and self.reduction(tried, against).sure
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """An effect is kept if it reduces the held-out error by more than what its parameters have to."""

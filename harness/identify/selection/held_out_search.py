@@ -53,7 +53,7 @@ def search_by_held_out_errors(
     """
     if len(blocks_of(problem.recordings)) < problem.settings.min_blocks:
         return base, found
-    search = _Search(problem, ledger, progress, jobs)
+    search = _Search(problem, ledger, progress, jobs if can_fork() else 1)
     plain, best = search.jointly(base, found)
     if best is not None and search.restores(found, best):
         return base, found
@@ -199,7 +199,7 @@ class _Search:
             return cross_validated(self.problem, fit, jobs=self.jobs)
 
         # In processes one after the other: there are more folds of each than fits.
-        turns = [[fit] for fit in fits] if self.jobs > 1 and can_fork() else [fits]
+        turns = [[fit] for fit in fits] if self.jobs > 1 else [fits]
         return [
             one for turn in turns for one in self._each("cross-validation", validated, turn, lambda fit: fit.hypothesis)
         ]
@@ -250,7 +250,7 @@ class _Search:
         kept = None
         for fit in ranked:
             evidence = Evidence(winner=ranked[0], tests=tests)
-            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.gain(fit, against) > 0.0:
+            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.needs_evidence(rule, fit, against):
                 evidence = self._with_losses(evidence, fit, against)
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit

@@ -122,11 +122,9 @@ def _along(account: Account) -> list[Row]:
             value, half = values[name, one.name], TWO_SIDED * float(deviations[name, one.name])
             digits = _digits(value, 2.0 * half)
             interval = f"{number(value - half, digits)} … {number(value + half, digits)}"
-            unit = "" if one.unit == "1" else one.unit
+            head = (f"`{name}`", CATALOGUE[name].law, f"`{one.name}`")
             why = "estimated along: stands for what is unknown of the rig"
-            rows.append(
-                Row((f"`{name}`", CATALOGUE[name].law, f"`{one.name}`", number(value, digits), interval, unit, why))
-            )
+            rows.append(Row((*head, number(value, digits), interval, one.unit, why)))
     return rows
 
 

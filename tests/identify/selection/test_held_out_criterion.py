@@ -61,6 +61,8 @@ def test_in_sample_loss_decides_an_exchange_that_held_out_blocks_leave_open(
     assert decision.kept is kept
     assert ("in-sample loss" in decision.because) is bool(np.mean(factor) < 1.0)
     assert not C.decide(Rule.EXCHANGE, tried, base, Evidence(winner=tried)).kept
+    assert C.needs_evidence(Rule.EXCHANGE, tried, base) is bool(np.mean(factor) < 1.0)
+    assert not C.needs_evidence(Rule.EXCHANGE, free(0.5, "rolling_resistance"), base)  # surely better in any case
 
 
 def test_a_reduction_that_a_few_blocks_make_is_not_significant() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -202,3 +203,17 @@ def test_numbers_and_values_are_one_to_one(plain: Posed, names: tuple[str, ...],
     assert read.spline is not None
     np.testing.assert_allclose(read.spline.nodes, spline.nodes, rtol=1e-12)
     np.testing.assert_allclose(read.spline.places, spline.places, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_hypothesis_from_another_process_is_equal(kind: Kind) -> None:
+    """Compare a hypothesis with what its pickle gives by content, and tell one of other values from it."""
+    one = Hypothesis(("viscous_damping",), blank(kind, 0.0, 1.0))
+    assert one.effects  # what follows from the fields is kept, and not pickled
+    other = pickle.loads(pickle.dumps(one))
+    assert other == one
+    assert other.spline is not one.spline
+    assert hash(other) == hash(one)
+    assert other.spline is not None
+    moved = replace(other.spline, nodes=other.spline.nodes + 1e-9)
+    assert Hypothesis(other.names, moved) != one
