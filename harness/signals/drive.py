@@ -63,8 +63,9 @@ class Drive(QuinticMotion):
         sensor: how the angle was measured.
         residual_ratio: RMS of (reading − α) over the sensor's standard deviation [1]; about 0.9 for a rounded, 1 for a
             noisy angle, far from that for a wrongly declared sensor.
-        repeats: how often in all recordings the beam rests on the count on which it rests at each stamp, shape (n,)
-            [1]; `None` where that is not known, or never more than once.
+        reading: the angle as recorded, shape (n,) [rad].
+        inflation: factor of the error's variance at each stamp where one estimate is made of all recordings, shape (n,)
+            [1]; `None` where it is 1 throughout.
     """
 
     std: FloatArray
@@ -72,8 +73,8 @@ class Drive(QuinticMotion):
     residual_ratio: float
     _smoothed: Smoothed
     _variance: FloatArray
-    _angle: FloatArray
-    repeats: FloatArray | None = None
+    reading: FloatArray
+    inflation: FloatArray | None = None
 
     @cached_property
     def error(self) -> ErrorProcess:
@@ -82,9 +83,9 @@ class Drive(QuinticMotion):
 
     @cached_property
     def shared_error(self) -> ErrorProcess:
-        """`error` where one estimate is made of all rests: m on one count, which share their rounding, have m-fold
-        variances (`harness.signals.rests`)."""
-        return self.error if self.repeats is None else self.error.inflated(self.repeats)
+        """`error` where one estimate is made of all rests: m on one count, which share their rounding, have its m-fold
+        variance (`harness.signals.rests`)."""
+        return self.error if self.inflation is None else self.error.inflated(self.inflation)
 
     def rougher(self, factor: float) -> Drive:
         """From the same readings, with `factor` times the density of the third derivative [1].
@@ -95,8 +96,8 @@ class Drive(QuinticMotion):
         if factor == 1.0:
             return self
         sensor, density = self.sensor, factor * self._smoothed.density
-        smoothed, variance, _ = _smooth(self.time, self._angle, sensor, sensor.noise, density)
-        return _drive(self._angle, sensor, smoothed, variance)
+        smoothed, variance, _ = _smooth(self.time, self.reading, sensor, sensor.noise, density)
+        return _drive(self.reading, sensor, smoothed, variance)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

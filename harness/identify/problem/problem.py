@@ -20,7 +20,7 @@ from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
 from harness.signals.play_error import behind_play
-from harness.signals.rests import with_repeats
+from harness.signals.rests import with_shared_rounding
 
 _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
@@ -140,7 +140,7 @@ class PreparedRecording:
     @cached_property
     def shared_error(self) -> ErrorProcess:
         """The same for an estimate from all recordings, which rests on one count inform once (`Drive.shared_error`)."""
-        return self.error if self.drive.repeats is None else self._at_stamps(self.drive.shared_error)
+        return self.error if self.drive.inflation is None else self._at_stamps(self.drive.shared_error)
 
     @cached_property
     def _behind_play(self) -> Callable[[Transmission, float, bool], ErrorProcess]:
@@ -231,14 +231,14 @@ class Problem:
     ) -> Problem:
         """From prepared recordings, whose variances of a reading are averaged."""
         variance = float(np.mean([one.noise**2 for one in observed]))
-        recordings = _knowing_repeats([PreparedRecording.of(one) for one in observed])
+        recordings = _knowing_rests([PreparedRecording.of(one) for one in observed])
         return cls(recordings, rig, declared, variance, unknown=unknown)
 
     def rougher(self, factor: float) -> Problem:
         """The same recordings with a beam that moves more roughly than in this problem (`Drive.rougher`)."""
         if factor == 1.0:
             return self
-        recordings = _knowing_repeats([one.rougher(factor) for one in self.recordings])
+        recordings = _knowing_rests([one.rougher(factor) for one in self.recordings])
         return replace(self, recordings=recordings, roughness=factor * self.roughness)
 
     @property
@@ -296,7 +296,7 @@ class Problem:
         return sensor_with((*self.declared, *effects))
 
 
-def _knowing_repeats(recordings: Sequence[PreparedRecording]) -> tuple[PreparedRecording, ...]:
-    """The same recordings of one rig, whose drives know how often the beam rests on a count in all of them."""
-    drives = with_repeats([one.drive for one in recordings])
+def _knowing_rests(recordings: Sequence[PreparedRecording]) -> tuple[PreparedRecording, ...]:
+    """The same recordings of one rig, whose drives know what their errors share at rests on one count."""
+    drives = with_shared_rounding([one.drive for one in recordings])
     return tuple(replace(one, drive=drive) for one, drive in zip(recordings, drives, strict=True))
