@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.bunches import evened
 from harness.recording.columns import QUANTITIES, QuantityName, find_columns
 from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.known_rig import KnownRig, Sensors
@@ -94,12 +95,13 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     }
     time = channels.pop("time")
     check_order(path, columns["time"].header, time, table.rows)
+    time, bunched = evened(path, time, (channels["angle"], channels.get("position", channels["angle"])))
     time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
     check_length(path, columns["time"].header, time, len(table.rows))
     angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)
     position = channels.get("position", np.full(len(time), np.nan))
     velocity = channels.get("velocity")
-    findings += [*merged, *bridged, *sampling_findings(path, time, rows)]
+    findings += [*bunched, *merged, *bridged, *sampling_findings(path, time, rows)]
 
     rig, sensors = rig or KnownRig(), sensors or Sensors()
     resolution = sensors.position_resolution or inferred_resolution(position) or 0.0

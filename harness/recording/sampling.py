@@ -136,6 +136,6 @@ def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[
             "note",
             path.name,
             f"sampling is uneven: median step {median:.4g} s, {np.min(even):.4g} to {np.max(even):.4g} s, standard "
-            f"deviation {100 * np.std(even) / median:.2g} % of the median. The time stamps are used unchanged.",
+            f"deviation {100 * np.std(even) / median:.2g} % of the median. The models run at these times.",
             "uneven-sampling",
         )

@@ -48,11 +48,24 @@ def test_a_rig_that_cannot_be_estimated_is_one_message(tmp_path: Path, monkeypat
         problem_of(load_case(sparse(tmp_path / "case")))
 
 
-def test_readings_stamped_together_have_an_angle_error(tmp_path: Path) -> None:
-    """Give the input noise a floor where stamps come in bunches: above that of even stamps, below any beam's motion."""
+def test_readings_stamped_together_leave_the_angle_as_certain(tmp_path: Path) -> None:
+    """Give the input noise the floor of even stamps where those of readings taken evenly come in bunches."""
     floors = []
     for name, imperfections in (("even", None), ("bunched", Imperfections(bunch=4))):
         experiment = Experiment(identify=1, predict=0, duration=8.0, seed=2, imperfections=imperfections)
         write_case(tmp_path / name, experiment)
+        floors.append(problem_of(load_case(tmp_path / name)).angle_floor)
+    assert floors[1] == pytest.approx(floors[0], rel=0.05)
+
+
+def test_readings_taken_together_have_an_angle_error(tmp_path: Path) -> None:
+    """Give the input noise a floor where a rig takes readings in bunches: above that of even ones, below any motion."""
+    floors = []
+    for name, taken in (("even", 40), ("together", 4)):  # of 40 readings at 1 kHz
+        write_case(tmp_path / name, Experiment(rate=1000.0, identify=1, predict=0, duration=8.0, seed=2))
+        file = tmp_path / name / "rec_01.csv"
+        header, *rows = file.read_text(encoding="utf-8").splitlines()
+        kept = [row for number, row in enumerate(rows) if number % 40 < taken]
+        file.write_text("\n".join((header, *kept)) + "\n", encoding="utf-8")
         floors.append(problem_of(load_case(tmp_path / name)).angle_floor)
     assert floors[0] < floors[1] < 1e-2

@@ -51,7 +51,8 @@ def test_duplicate_with_one_unknown_position(tmp_path: Path) -> None:
 def test_coarse_stamps_are_explained(tmp_path: Path) -> None:
     """Say that time stamps have too few digits if many coincide."""
     (warning,) = texts(load(tmp_path, time_s=np.floor(TIME / 0.02) * 0.02), "warning")
-    assert "too few digits" in warning
+    assert "coarse clock" in warning
+    assert "with enough digits" in warning
 
 
 def test_short_angle_dropout_is_bridged(tmp_path: Path) -> None:
