@@ -10,15 +10,23 @@ from analytic.rig import Rig
 from harness.failures import Part
 from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
+from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.problem.windows import AHEAD
 from harness.identify.selection.criterion import Criterion
+from harness.identify.validation.baseline_comparison import AFTER
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
 _MAX_NAMES = 5  # further names are counted instead of listed
+_AT_BOUND = 1e-3  # of its range: a fit ends that near to a bound that holds it
 _HEADLINE = f"{AHEAD:g} s"  # horizon of the error that is told
 
+_SIMPLE: Mapping[str, str] = {
+    "at_rest": "a ball at rest",
+    "constant_velocity": "a ball at constant velocity",
+    "double_integrator": "a double integrator",
+}
 DEPENDENCES: Mapping[Regressor, str] = {
     Regressor.POSITION: "the ball's position",
     Regressor.VELOCITY: "the ball's velocity",
@@ -56,10 +64,10 @@ def sentence(diagnosis: Diagnosis) -> str:
         case Verdict.UNLISTED:
             beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""
             what = f"{_spline_term(diagnosis)}{beside}{_fall(diagnosis)}"
-            return f"An effect that is not in the catalogue is missing: {what}."
+            return f"An effect that is not in the catalogue is missing: {what}{_as_good(diagnosis)}."
         case Verdict.EFFECT:
             verb = "was" if len(diagnosis.effects) == 1 else "were"
-            text = f"{_found(diagnosis)} {verb} missing{_fall(diagnosis)}."
+            text = f"{_found(diagnosis)} {verb} missing{_fall(diagnosis)}{_as_good(diagnosis)}."
             return text[0].upper() + text[1:]
 
 
@@ -92,14 +100,25 @@ def _far_above_noise_floor(diagnosis: Diagnosis) -> bool:
 
 
 def _found(diagnosis: Diagnosis) -> str:
-    rig = diagnosis.problem.rig
-    each = [phrase(one, rig) + _or(one) + _implausible(one, rig) for one in diagnosis.effects]
+    problem = diagnosis.problem
+    rig = problem.rig
+    each = [phrase(one, rig) + _doubts(one, problem) + _implausible(one, rig) for one in diagnosis.effects]
     return listed(each).replace(",,", ",")
 
 
-def _or(finding: IdentifiedEffect) -> str:
+def _doubts(finding: IdentifiedEffect, problem: Problem) -> str:
+    """In brackets: rivals, parameters that end at a bound, an interval that holds the value of no effect."""
     rivals = [words(name) for name in finding.indistinguishable_from]
-    return f" (indistinguishable from {' or '.join(rivals)})" if rivals else ""
+    said = [f"indistinguishable from {' or '.join(rivals)}"] if rivals else []
+    effect = CATALOGUE.get(finding.name)
+    for one in () if effect is None else effect.parameters:
+        found, neutral = finding.parameters[one.name], one.neutral_on(problem.rig)
+        low, high = one.bounds_on(problem.visited, problem.rig)
+        if one.strength and found.low < neutral < found.high:
+            said.append(f"the interval of its {words(one.name)} holds no effect too")
+        if any(abs(found.value - end) < _AT_BOUND * (high - low) for end in (low, high) if end != neutral):
+            said.append(f"its {words(one.name)} is at the end of the range tried")
+    return f" ({'; '.join(said)})" if said else ""
 
 
 def _implausible(finding: IdentifiedEffect, rig: Rig) -> str:
@@ -155,6 +174,21 @@ def _fall(diagnosis: Diagnosis) -> str:
     span, before, after = ends
     verb = "decreases" if after < before else "increases"
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"
+
+
+def _as_good(diagnosis: Diagnosis) -> str:
+    """That a baseline that is no black box predicts held-out blocks better, or that it is not sure that none does."""
+    compared = diagnosis.baselines
+    if compared is None:
+        return ""
+    best, after = compared.best_simple_baseline, compared.rms(AFTER)
+    errors = f"{error_size(compared.rms(best))} over held-out blocks, {error_size(after)} with what was found"
+    if after >= compared.rms(best):
+        return f"; but {_SIMPLE[best]} predicts better ({errors})"
+    margin = compared.margin(best)
+    if margin is None or margin.sure:
+        return ""
+    return f"; it is not sure that this predicts better than {_SIMPLE[best]} does ({errors})"
 
 
 def _stays(heldout: BeforeAfter) -> str:

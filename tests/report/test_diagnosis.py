@@ -11,7 +11,7 @@ import pytest
 from harness.api.assemble import diagnosis_record
 from harness.api.diagnosis import input_hashes
 from harness.identify.diagnosis import Another, Diagnosis
-from harness.identify.estimate.fit import fit
+from harness.identify.estimate.fit import Estimator, fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.spline_term import Kind, Regressor, blank
@@ -27,6 +27,7 @@ from harness.preparation.recordings import observe
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
 from harness.report.diagnosis.account import Account
+from harness.report.diagnosis.inputs import _status
 from harness.report.diagnosis.verdict import before_after
 from harness.simulator import Experiment, write_case
 from tests.report import browser
@@ -201,6 +202,35 @@ def test_rivals_are_weighed(html, diagnosis):
     behind = Criterion().gain(diagnosis.found, diagnosis.ledger[1].fit)
     assert f"{behind:.1f}" in table
     assert re.search(r"level_error.*<td class=\"text\">yes</td>", table)
+
+
+def test_rivals_by_held_out_errors_are_so_many_per_cent_worse(diagnosis, case):
+    """Where held-out errors decided, give those of a rival over what was found, and tell 3 % apart from nothing."""
+
+    def by_errors(one, metres):
+        return replace(one, estimator=Estimator.FREE_RUNS, held_out=(metres,) * 4)
+
+    found, base = by_errors(diagnosis.found, 0.010), by_errors(diagnosis.base, 0.030)
+    near, far = (by_errors(diagnosis.ledger[1].fit, metres) for metres in (0.0103, 0.015))
+    tried = (
+        line(Rule.JOINT, (NAME,), found, base, kept=True),
+        line(Rule.EXTEND, ("level_error",), near, base),
+        line(Rule.EXTEND, ("viscous_damping",), far, base),
+    )
+    decided = replace(diagnosis, base=base, found=found, ledger=tried)
+    page = render_diagnosis(decided, diagnosis_record(decided, case, 1.0, input_hashes(case)), case)
+    table = page[page.index('id="rivals"') : page.index('id="ledger"')]
+    assert "held-out error above what was found" in table
+    assert "BIC" not in table
+    assert re.search(r"level_error.*>3</td>.*>no<", table)
+    assert re.search(r"viscous_damping.*>50</td>.*>yes<", table)
+
+
+def test_a_value_that_was_set_aside_is_not_called_given():
+    """Call a quantity of the rig given only where the given value is the one that is used."""
+    assert _status(5.03e-6, 5.03e-6) == "given"
+    assert _status(9e-5, None) == "estimated or assumed"
+    assert _status(9e-5, 5.031e-6) == "estimated, contrary to the given 5.031·10⁻⁶"
 
 
 def test_the_law_lies_on_the_trace(diagnosis, case):

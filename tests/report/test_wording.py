@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from harness.identify.diagnosis import Diagnosis
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.spline_term import Regressor, SplineTerm
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
 from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.report.wording import DEPENDENCES, error_size, phrase, sentence
@@ -33,11 +35,10 @@ def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] 
     rms = changes.get("rms", ({"1 s": 0.02, "3 s": 0.174, "whole": 17.0}, {"1 s": 0.0002, "3 s": 0.0003, "whole": 9.0}))
     heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
     unseen = changes.get("unseen", ())
-    return sentence(
-        Diagnosis(
-            posed.problem, verdict, findings, found, found, (), unseen, identify=heldout, heldout=heldout, engines={}
-        )
+    diagnosis = Diagnosis(
+        posed.problem, verdict, findings, found, found, (), unseen, identify=heldout, heldout=heldout, engines={}
     )
+    return sentence(replace(diagnosis, baselines=changes.get("baselines")))
 
 
 def test_one_effect(plain: Posed) -> None:
@@ -78,6 +79,35 @@ def test_an_implausible_size_is_called_so(plain: Posed) -> None:
     nodes = np.full(12, 0.3)
     text = said(plain, Verdict.UNLISTED, spline=SplineTerm(Regressor.POSITION, True, 0.0, 0.1, nodes))
     assert "(by up to 0.30 of the normal force, which is implausibly large for a ball that rolls)" in text
+
+
+def test_an_effect_that_may_be_none_and_a_bound_are_told(plain: Posed) -> None:
+    """Say that the interval of an effect holds none, and that a parameter ended where the search does."""
+    delay = IdentifiedEffect("channel_delay", {"delay": Estimate(0.26, -0.02, 0.54, "s")}, ("position_lag",))
+    servo = IdentifiedEffect(
+        "angle_servo", {"lag": Estimate(0.24, 0.2, 0.28, "s"), "damping": Estimate(0.2, 0.15, 0.25, "1")}, ()
+    )
+    text = said(plain, Verdict.EFFECT, (delay, servo))
+    assert "(indistinguishable from position lag; the interval of its delay holds no effect too)" in text
+    assert "(its damping is at the end of the range tried)" in text
+
+
+@pytest.mark.parametrize(
+    ("after", "at_rest", "told"),
+    [
+        ((0.04, 0.05, 0.03, 0.04, 0.05), 0.02, "; but a ball at rest predicts better (20.0 mm over held-out blocks, "),
+        ((0.01, 0.09, 0.01, 0.07, 0.02), 0.06, "; it is not sure that this predicts better than a ball at rest does"),
+        ((0.01, 0.02, 0.01, 0.01, 0.02), 0.06, None),
+    ],
+)
+def test_a_model_that_is_no_better_than_no_physics_is_called_so(
+    plain: Posed, after: tuple[float, ...], at_rest: float, told: str | None
+) -> None:
+    """Say beside what an effect brings that a ball at rest is predicted better, or as well for all that is sure."""
+    errors = {name: np.full(5, 0.2) for name in (BEFORE, *BASELINES)}
+    errors |= {AFTER: np.array(after), "at_rest": np.full(5, at_rest), "output_error_2": np.full(5, 0.001)}
+    text = said(plain, Verdict.EFFECT, (ROLLING,), baselines=BaselineComparison(errors))
+    assert (told in text) if told else text.endswith("decreases from 174 mm to 0.30 mm.")
 
 
 @pytest.mark.parametrize("friction", [False, True])

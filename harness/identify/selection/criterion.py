@@ -308,8 +308,14 @@ class Criterion:
         return fit.root_process_noise < self.settings.at_floor_ratio * problem.angle_floor
 
     def far_above_noise_floor(self, problem: Problem, fit: Fit) -> bool:
-        """Whether √q is an order of magnitude above the input-noise floor: missing physics is certain."""
-        return fit.root_process_noise > self.settings.above_floor_ratio * problem.angle_floor
+        """Whether √q is an order of magnitude above the input-noise floor: missing physics is certain.
+
+        The density of a fit to free runs is the one that predicts best; such a fit is made only where this is certain.
+        """
+        return (
+            fit.estimator is Estimator.FREE_RUNS
+            or fit.root_process_noise > self.settings.above_floor_ratio * problem.angle_floor
+        )
 
     def rivals(self, fit: Fit, found: Fit) -> bool:
         """Whether `fit` is indistinguishable from `found`.

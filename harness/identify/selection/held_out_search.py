@@ -46,6 +46,8 @@ def search_by_held_out_errors(
 
     Those given are returned if nothing is surely better, if the terms of `found` are best and its parameters predict as
     well, or if its spline term, fitted by likelihood, surely does better; and the base for both if it predicts better.
+    Without any terms, where physics is missing for certain, that is the base by free runs if it predicts better than by
+    likelihood.
 
     Args:
         base, found: fits by likelihood, without and with the terms that it selects.
@@ -57,8 +59,9 @@ def search_by_held_out_errors(
     plain, best = search.jointly(base, found)
     if best is not None and search.restores(found, best):
         return base, found
-    if best is plain:
-        return base, base
+    if best is plain or (best is None and found.hypothesis == base.hypothesis):
+        alone = search.predicting(base, plain)
+        return alone, alone
     if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
         return base, found
     while len(selected_effects(problem, best)) < problem.settings.max_effects:
@@ -119,6 +122,14 @@ class _Search:
             return plain, best
         kept = self.ledger.decide(Rule.VALIDATE, terms[0], plain, _added(terms[0], plain))
         return plain, None if kept else plain
+
+    def predicting(self, base: Fit, plain: Fit) -> Fit:
+        """Of the fits of the base by likelihood and by free runs the one that predicts better.
+
+        One-step predictions of a model that is certain to lack physics give its parameters little meaning over seconds.
+        """
+        certain = self.ledger.criterion.far_above_noise_floor(self.problem, base)
+        return plain if certain and not _predicts_as_well(self.problem, base, plain) else base
 
     def _unexplaining(self) -> list[Fit]:
         """What was not selected by likelihood because it explains too little."""

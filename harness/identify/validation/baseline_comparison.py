@@ -12,7 +12,7 @@ from harness.identify.estimate.block_errors import block_errors, groups_of
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
-from harness.identify.validation.baselines import FITS
+from harness.identify.validation.baselines import BLACK_BOXES, FITS
 from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import rms
 from harness.progress import Progress, silent
@@ -37,6 +37,11 @@ class BaselineComparison:
     def best_baseline(self) -> str:
         """The baseline of least RMS error."""
         return min(BASELINES, key=self.rms)
+
+    @property
+    def best_simple_baseline(self) -> str:
+        """The same of those that are no black boxes."""
+        return min((name for name in BASELINES if name not in BLACK_BOXES), key=self.rms)
 
     def rms(self, source: str) -> float:
         """RMS error of a source over all blocks, equally weighted [m]."""

@@ -28,9 +28,10 @@ from scipy.signal import lfilter
 from analytic.motion import FloatArray
 from harness.identify.problem.windows import KNOWN, Window
 
-# Bounds of F, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: growth by at most e⁵ in a second, decay within one or two
-# readings, oscillation below half the sampling rate.
-_SLOWEST, _FASTEST = -5.0, 4.0  # [1/s], [1 per step]
+# Bounds of F, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: growth by at most e in a second, three times that of a ball on
+# the softest beam measured, since a fit that grows by more predicts kilometres; decay within one or two readings;
+# oscillation below half the sampling rate.
+_SLOWEST, _FASTEST = -1.0, 4.0  # [1/s], [1 per step]
 _STARTS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped oscillator
 _FURTHER_STARTS = (0.5, 10.0)  # decay of a third pole [1/s]: slower than the beam's motion, and faster
 _DIFFERENCE = 1e-4  # relative step of finite differences in F

@@ -59,9 +59,18 @@ def _rig(account: Account) -> Table:
             name.replace("_", " "),
             number(getattr(rig, name), 4),
             UNITS[name],
-            "estimated or assumed" if getattr(known, name) is None else "given",
+            _status(getattr(rig, name), getattr(known, name)),
         )
         for name in (*NEEDED, "level_angle")
     ]
     columns = [*texts("quantity"), "value", *texts("unit", "status")]
     return Table("Rig without the effects found", columns, rows)
+
+
+def _status(used: float, given: float | None) -> str:
+    """Where the value of a quantity is from."""
+    if given is None:
+        return "estimated or assumed"
+    return (
+        "given" if math.isclose(used, given, rel_tol=1e-9) else f"estimated, contrary to the given {number(given, 4)}"
+    )

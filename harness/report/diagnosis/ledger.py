@@ -1,7 +1,10 @@
 """Sections on what was fitted: rivals in place of each effect found, and the ledger of all hypotheses in order."""
 
+import math
+
 from harness.failures import Part
 from harness.formatting import fixed
+from harness.identify.estimate.fit import Estimator
 from harness.identify.selection.criterion import Criterion, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.verdict import IdentifiedEffect
@@ -20,9 +23,12 @@ def rivals(account: Account) -> Section | None:
     tables = [_of_effect(account, one) for one in account.diagnosis.effects]
     if account.diagnosis.found.terms.spline is not None:
         tables += _of_spline(account)
+    settings = account.diagnosis.problem.settings
     context = {
         "tables": [table for table in tables if table.rows],
-        "near": f"{account.diagnosis.problem.settings.rival:g}",
+        "near": f"{settings.rival:g}",
+        "near_errors": f"{100.0 * settings.held_out_rival:g}",
+        "by_errors": account.diagnosis.found.estimator is Estimator.FREE_RUNS,
     }
     return Section("rivals", "Rivals", "Rivals", "diagnosis/rivals.html", context)
 
@@ -57,18 +63,21 @@ def _of_spline(account: Account) -> list[Table]:
 
 
 def _table(account: Account, caption: str, others: list[Line]) -> Table:
-    """How far the others are behind by the criterion."""
+    """How far the others are behind, in BIC, or in held-out errors where these decided."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
+    by_errors = found.estimator is Estimator.FREE_RUNS
 
     def behind(one: Line) -> float:
         return criterion.gain(found, one.fit)
 
     rows = []
     for one in sorted((one for one in others if behind(one) < _MAX_DIFFERENCE), key=behind)[:_MAX_ROWS]:
-        told = "yes" if behind(one) >= criterion.settings.rival else "no"
-        rows.append((f"`{one.title}`", str(len(one.fit.theta)), fixed(behind(one), 1), told))
+        told = "no" if criterion.rivals(one.fit, found) else "yes"
+        size = fixed(100.0 * math.expm1(behind(one)), 0) if by_errors else fixed(behind(one), 1)
+        rows.append((f"`{one.title}`", str(len(one.fit.theta)), size, told))
     parameters = Column("parameters", hint="fitted parameters")
-    return Table(caption, [*texts("instead"), parameters, "BIC above what was found", *texts("told apart")], rows)
+    above = "held-out error above what was found [%]" if by_errors else "BIC above what was found"
+    return Table(caption, [*texts("instead"), parameters, above, *texts("told apart")], rows)
 
 
 def ledger(account: Account) -> Section:
