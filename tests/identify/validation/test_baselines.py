@@ -91,7 +91,7 @@ def test_the_integrator_finds_the_gain_of_a_rolling_ball(tmp_path: Path) -> None
     assert allowed < 0.02 * found  # or it would say nothing
 
 
-@pytest.mark.parametrize("poles", [(1.2, 9.0), (0.8, -2.0), (6.0, 5.0)], ids=["swings", "runs away", "damped"])
+@pytest.mark.parametrize("poles", [(1.2, 9.0), (0.8, -0.9), (6.0, 5.0)], ids=["swings", "runs away", "damped"])
 def test_the_black_box_finds_a_system_of_order_two(beam: PreparedRecording, poles: tuple[float, float]) -> None:
     """Find F and B of a known B/F from readings without noise, and predict it.
 
@@ -154,7 +154,7 @@ def test_a_noisy_sensor_lengthens_the_memory(beam: PreparedRecording) -> None:
 
 def test_the_chart_of_poles_is_that_of_sampled_differential_equations() -> None:
     """F has the roots exp(λ T) of λ² + f₁ λ + f₀ = 0, be they real or complex."""
-    for first, zeroth in ((1.2, 9.0), (0.8, -2.0), (6.0, 5.0), (0.0, 0.0)):
+    for first, zeroth in ((1.2, 9.0), (0.8, -0.9), (6.0, 5.0), (0.0, 0.0)):
         for further in ((), (3.0,)):
             rates = [*np.roots([1.0, first, zeroth]).astype(complex), *(-rate for rate in further)]
             made = OutputError((first, zeroth, *further)).denominator(STEP)
