@@ -92,6 +92,7 @@
     plot.ctx.save();
     plot.ctx.strokeStyle = report.theme.variable("--ink");
     plot.ctx.lineWidth = devicePixelRatio * 0.8;
+    plot.ctx.setLineDash([]); // that of the last series stays set
     plot.ctx.beginPath();
     plot.ctx.moveTo(left, y);
     plot.ctx.lineTo(left + width, y);

@@ -47,6 +47,7 @@
     }
     ctx.strokeStyle = report.theme.colour(one.colour);
     ctx.lineWidth = devicePixelRatio * 1.2;
+    ctx.setLineDash([]); // that of the last series stays set
     ctx.stroke();
     ctx.restore();
   }
