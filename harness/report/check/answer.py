@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from harness.identify.design.proposal import Proposal
 from harness.report.check.content import Content, Subject
 from harness.report.page import Section
 from harness.report.palette import MEASURED_COLOUR, Look
-from harness.report.plots import Picture, drawing, over_time, picture, signal, style, zero
+from harness.report.proposed import picture_of
+
+EXPECTED = Look("", MEASURED_COLOUR)
 
 
 def section(subject: Subject) -> Section:
@@ -30,23 +29,7 @@ def experiment(subject: Subject) -> Section | None:
     made = subject.proposal
     content = Content(
         texts=(subject.next_sentence.replace("_", " "),),
-        pictures=() if made is None else (_picture(made),),
+        pictures=() if made is None else (picture_of(made, EXPECTED, "the declared model"),),
         notes=() if made is None else ("`next_experiment.csv` beside this page holds the beam angle.",),
     )
     return content.section("experiment", "What to record instead", "Next")
-
-
-@style()
-def _picture(proposal: Proposal) -> Picture:
-    figure = drawing(3.4)
-    top, bottom = figure.subplots(2, 1, sharex=True)
-    look = Look("", MEASURED_COLOUR)
-    signal(top, proposal.time, np.degrees(proposal.angle), look)
-    zero(top)
-    top.set_ylabel(r"beam angle $\alpha$ [deg]")
-    signal(bottom, proposal.time, proposal.reading, look)
-    bottom.set_ylabel("position $s$ [m]")
-    over_time(bottom, proposal.time[0], proposal.time[-1])
-    name = proposal.profile.name
-    caption = f"The profile “{name}”: {proposal.profile.words}. Simulated, with the declared model."
-    return picture(figure, f"Beam angle and expected ball position of the profile {name} over time", caption)

@@ -1,15 +1,11 @@
 """Section on the proposed next experiment: beam motion, expected discrimination, assumed limits of the rig."""
 
-import numpy as np
-
 from harness.formatting import brief, fixed, length
 from harness.identify.design.proposal import FILE, NOTHING, Proposal, sentence
 from harness.report.diagnosis.account import FOUND, Account
 from harness.report.page import Section
-from harness.report.plots import Picture, drawing, over_time, picture, signal, style, zero
+from harness.report.proposed import picture_of
 from harness.report.tables import Column, Row, Table, texts
-
-_EDGE = "#8a94a0"
 
 
 def section(account: Account) -> Section | None:
@@ -23,37 +19,12 @@ def section(account: Account) -> Section | None:
         "file": FILE,
         "drift": length(proposal.open_loop_drift, 2),
         "end": brief(float(proposal.time[-1])),
-        "picture": _picture(proposal),
+        "picture": picture_of(proposal, FOUND, "the model with the effects found"),
         "reveals": proposal.separations[0].rival == NOTHING,
         "separations": _separations(proposal),
         "tried": _tried(proposal),
     }
     return Section("experiment", "The next experiment", "Next", "diagnosis/experiment.html", context)
-
-
-@style()
-def _picture(proposal: Proposal) -> Picture:
-    envelope, time = proposal.envelope, proposal.time
-    figure = drawing(4.0)
-    top, bottom = figure.subplots(2, 1, sharex=True)
-    for axes, values, edges, label in (
-        (top, np.degrees(proposal.angle), np.degrees([-envelope.angle, envelope.angle]), r"beam angle $\alpha$ [deg]"),
-        (bottom, proposal.reading, (envelope.low, envelope.high), "position $s$ [m]"),
-    ):
-        signal(axes, time, values, FOUND)
-        for edge in edges:
-            axes.axhline(edge, color=_EDGE, linewidth=1.0, dashes=(4.0, 3.0), zorder=2)
-        axes.margins(y=0.08)
-        axes.set_ylabel(label)
-    zero(top)
-    over_time(bottom, time[0], time[-1])
-    return picture(
-        figure,
-        f"Beam angle of the profile {proposal.profile.name} and the ball's position to be expected, over time.",
-        f"The profile “{proposal.profile.name}”: {proposal.profile.words}. Above: beam angle, below: position "
-        "expected by the model with the effects found. Dashed: assumed operating envelope, 1.2 times the largest "
-        "angle of the recordings and the permitted range of the ball.",
-    )
 
 
 def _separations(proposal: Proposal) -> Table:
