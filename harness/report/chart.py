@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.motion import FloatArray
 from harness.report.palette import Look
 
-MAX_ROWS = 4000  # of a chart; more are thinned
+MAX_ROWS = 4000  # of a chart if it is not told otherwise; more are thinned
 _SKIP = -np.inf  # in the page's data: this line has no sample here and passes over; NaN: it has a gap
 
 
@@ -115,6 +115,7 @@ class Chart:
             their cursor. Empty for an abscissa that is no time.
         log_x: whether the abscissa is logarithmic.
         marks: instants and spans that are marked.
+        most: rows; more are thinned.
     """
 
     anchor: str
@@ -124,6 +125,7 @@ class Chart:
     clock: str = ""
     log_x: bool = False
     marks: Sequence[Mark] = field(default=())
+    most: int = MAX_ROWS
 
     @cached_property
     def _table(self) -> tuple[FloatArray, list[list[FloatArray]], NDArray[np.intp]]:
@@ -132,7 +134,7 @@ class Chart:
         x, columns = merged([(one.abscissa, one.columns) for one in traces])
         if self.pointed:  # every one of them can be asked for
             return x, columns, np.arange(len(x))
-        return x, columns, thinned([column for each in columns for column in each], MAX_ROWS)
+        return x, columns, thinned([column for each in columns for column in each], self.most)
 
     @property
     def pointed(self) -> bool:
@@ -140,15 +142,10 @@ class Chart:
         return any(trace.notes for panel in self.panels for trace in panel.traces)
 
     @property
-    def thinning_note(self) -> str:
-        """A sentence for the caption if the data are thinned, else empty."""
+    def samples(self) -> tuple[int, int]:
+        """How many are drawn, and of how many."""
         x, _, kept = self._table
-        if len(kept) == len(x):
-            return ""
-        return (
-            f" Drawn are {len(kept)} of {len(x)} samples: the smallest and the largest value of every line in each "
-            "of many equal spans; values between them are interpolated."
-        )
+        return len(kept), len(x)
 
     def data(self) -> dict[str, Any]:
         """What the script draws, for `json.dumps`: numbers as base64 of little-endian floats."""
@@ -171,6 +168,18 @@ class Chart:
             "notes": list(notes),
             "marks": [vars(one) for one in self.marks],
         }  # fmt: skip
+
+
+def thinning_note(charts: Sequence[Chart]) -> str:
+    """A sentence for the common caption of charts if data of theirs are thinned, else empty."""
+    counts = np.array([one.samples for one in charts])
+    drawn, given = counts[counts[:, 0] < counts[:, 1]].sum(axis=0)
+    if drawn == given:
+        return ""
+    return (
+        f" Drawn are {drawn} of {given} samples: the smallest and the largest value of every line in each "
+        "of many equal spans; values between them are interpolated."
+    )
 
 
 def _series(trace: Trace, values: Sequence[str], notes: dict[str, int]) -> dict[str, Any]:

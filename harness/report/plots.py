@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.comparison.horizons import Horizon
 from harness.formatting import brief
-from harness.report.chart import Chart
+from harness.report.chart import Chart, thinning_note
 from harness.report.palette import INK, LEFT_OUT_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
@@ -29,6 +29,7 @@ _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
 _WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
 _USE = "Drag to zoom, with Shift to move; Ctrl and wheel, the buttons or + − ← → 0 do the same."
+_LINKED = "A click sets the instant of all plots over the same time and of a replay of it."
 _POINTS = "The point nearest to the mouse says what it is; ‹ and › go from point to point."
 
 style = partial(context, Path(__file__).with_name("report.mplstyle"))
@@ -68,9 +69,9 @@ class Picture:
         """What the caption adds on the charts: how to use them, and whether they are thinned."""
         if not self.charts:
             return ""
-        linked = " A click sets the instant of all plots and of the replay." if self.charts[0].clock else ""
+        linked = f" {_LINKED}" if self.charts[0].clock else ""
         points = f" {_POINTS}" if any(one.pointed for one in self.charts) else ""
-        return f"{_USE}{linked}{points}{self.charts[0].thinning_note}"
+        return f"{_USE}{linked}{points}{thinning_note(self.charts)}"
 
 
 def picture(

@@ -4,7 +4,7 @@ import base64
 
 import numpy as np
 
-from harness.report.chart import MAX_ROWS, Chart, Panel, Trace, merged, thinned
+from harness.report.chart import MAX_ROWS, Chart, Panel, Trace, merged, thinned, thinning_note
 from harness.report.palette import Look
 
 LOOK = Look("line", "#000000")
@@ -49,7 +49,8 @@ def test_thinning_is_told():
     for samples, told in ((100, False), (10_000, True)):
         trace = Trace("a", LOOK, np.arange(samples), np.sin(np.arange(samples)))
         chart = Chart("a", [Panel("y", "m", [trace])])
-        assert ("of 10000 samples" in chart.thinning_note) is told
+        assert ("of 10000 samples" in thinning_note([chart])) is told
+        assert ("of 20000 samples" in thinning_note([chart, chart])) is told
 
 
 def test_points_keep_what_they_are():
@@ -74,4 +75,4 @@ def test_points_are_not_thinned():
     trace = Trace("a", LOOK, np.arange(rows), np.arange(rows), notes=["same"] * rows)
     chart = Chart("a", [Panel("y", "m", [trace])])
     assert chart.data()["rows"] == rows
-    assert chart.thinning_note == ""
+    assert thinning_note([chart]) == ""

@@ -8,7 +8,7 @@ from analytic.motion import FloatArray
 from harness.formatting import number
 from harness.numerics import rms
 from harness.report import plots
-from harness.report.chart import Chart, Panel, Trace
+from harness.report.chart import MAX_ROWS, Chart, Panel, Trace
 from harness.report.clouds import Cloud, Row, against_state, stamped
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.diagnosis.verdict import SIGMA, clock_of
@@ -17,6 +17,7 @@ from harness.report.palette import Look
 
 LEFT = Look("residual acceleration", MODEL.colour, None, 1.2, 3)
 LAW = Look("effects found", FOUND.colour, None, 1.4, 6)
+_MOST_ROWS, _FEWEST_ROWS = 12_000, 500  # of the charts of all recordings together, and of each
 _LABEL = "residual acceleration\n[m/s²]"
 
 
@@ -78,28 +79,29 @@ def _over_time(account: Account) -> plots.Picture:
         figure,
         "Residual acceleration over time, and the acceleration by the effects found.",
         "Residual acceleration: the ball's acceleration that the declared model does not explain, estimated from "
-        "the recording alone, with its ± 2 σ band (grey), and the acceleration by the effects found along the same "
+        "the recording alone, with its ± 2 σ band, and the acceleration by the effects found along the same "
         "path. The estimate is smoothed, the effects are not.",
-        _chart(account, [axes.get_ylim() for axes in grid]),
-        "Right axis: the equivalent force.",
+        still_note="Right axis: the equivalent force.",
+        beside=_charts(account, [axes.get_ylim() for axes in grid]),
     )
 
 
-def _chart(account: Account, frames: list[tuple[float, float]]) -> Chart | None:
-    """The same as data of the page; only of one recording, as others have times of their own."""
+def _charts(account: Account, frames: list[tuple[float, float]]) -> tuple[Chart, ...]:
+    """The same as data of the page, one chart a recording, as each has a time of its own."""
     every, records = account.residual_accelerations, account.diagnosis.problem.recordings
-    if len(every) > 1:
-        return None
-    one = every[0]
-    band = 2.0 * one.deviation
-    traces = [
-        Trace("sigma", SIGMA, one.time, one.residual + band, low=one.residual - band),
-        Trace("residual", LEFT, one.time, one.residual),
-    ]
-    if account.changed:
-        traces.append(Trace("law", LAW, one.time, one.law))
-    panel = Panel("residual acceleration", "m/s²", traces, frame=frames[0], zero=True, title=records[0].name)
-    return Chart("residual-acceleration", [panel], clock=clock_of(records[0]))
+    most = min(MAX_ROWS, max(_FEWEST_ROWS, _MOST_ROWS // len(every)))
+    charts = []
+    for at, (one, record, frame) in enumerate(zip(every, records, frames, strict=True)):
+        band = 2.0 * one.deviation
+        traces = [
+            Trace("sigma", SIGMA, one.time, one.residual + band, low=one.residual - band),
+            Trace("residual", LEFT, one.time, one.residual),
+        ]
+        if account.changed:
+            traces.append(Trace("law", LAW, one.time, one.law))
+        panel = Panel("residual acceleration", "m/s²", traces, frame=frame, zero=True, title=record.name)
+        charts.append(Chart(f"residual-acceleration-{at}", [panel], clock=clock_of(record), most=most))
+    return tuple(charts)
 
 
 @plots.style()
@@ -123,9 +125,9 @@ def _against(account: Account) -> plots.Picture:
     return plots.picture(
         figure,
         "Residual acceleration and that of the effects against position, velocity and beam angle.",
-        "The same against position, velocity and beam angle, over all recordings. Black: bin means of the residual "
-        "acceleration with their standard errors. A step at ṡ = 0 indicates dry friction, a slope in ṡ viscous "
-        "damping, an offset a level error, a slope in s a curved track.",
+        "The same against position, velocity and beam angle, over all recordings. Joined points: bin means of the "
+        "residual acceleration with their standard errors. A step at ṡ = 0 indicates dry friction, a slope in ṡ "
+        "viscous damping, an offset a level error, a slope in s a curved track.",
         still_note="Right axis: the equivalent force.",
         beside=against_state("residual-against", [data]),
     )
