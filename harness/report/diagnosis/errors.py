@@ -4,16 +4,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from harness.formatting import NONE, brief, fixed, number
 from harness.identify.problem.windows import GROUPS, KNOWN
 from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.identify.validation.engine_errors import entries
 from harness.identify.validation.held_out import BeforeAfter, Errors
-from harness.report.diagnosis.account import FOUND, MODEL, Account
+from harness.report.diagnosis.account import Account
+from harness.report.diagnosis.growth import picture_of
 from harness.report.page import Section
-from harness.report.plots import Picture, drawing, picture, plain_log, style
 from harness.report.tables import Column, Table, texts
 from harness.report.wording import error_size, words
 
@@ -38,7 +36,7 @@ def section(account: Account) -> Section:
         "ran": _ran(account),
         "known": brief(KNOWN),
         "changed": account.changed,
-        "picture": _picture(account),
+        "picture": picture_of(account),
         "tables": tables,
         "enter": [(words(name), place) for name, place in entries(diagnosis.found).items()],
         "failures": _failures(account),
@@ -121,24 +119,3 @@ def _innovations(account: Account) -> Table:
 
 def _chance(p: float) -> str:
     return "< 0.0001" if p < 1e-4 else fixed(p, 4 if p < SIGNIFICANT else 2)
-
-
-@style()
-def _picture(account: Account) -> Picture:
-    held, identify = account.diagnosis.heldout, account.diagnosis.identify
-    names = list(dict.fromkeys(name for one in (held.before, identify.before) for name in one.rms))
-    figure = drawing(2.9)
-    axes = figure.add_subplot()
-    for kind, both, dash, marker in (("held out", held, "-", "o"), ("identification", identify, ":", "s")):
-        for when, look in zip(_whens(account), (MODEL, FOUND), strict=False):
-            values = [1e3 * getattr(both, when).rms.get(name, np.nan) for name in names]
-            label = f"{kind}, {when}" if account.changed else kind
-            axes.plot(values, dash, color=look.colour, marker=marker, markersize=5, linewidth=1.6, label=label)
-    noise = 1e3 * float(np.sqrt(account.diagnosis.problem.reading_variance))
-    axes.axhline(noise, color="#5b6672", linewidth=1.0, dashes=(2.0, 2.0), label="reading noise")
-    plain_log(axes, "y")
-    axes.set_xticks(range(len(names)), ["rest" if name == "whole" else name for name in names])
-    axes.set(xlabel="prediction horizon", ylabel="RMS error [mm]")
-    figure.legend(loc="outside right upper")
-    caption = "RMS error of the positions predicted by CAM against the prediction horizon, logarithmic."
-    return picture(figure, caption, caption)
