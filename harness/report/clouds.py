@@ -76,19 +76,30 @@ def stamped(times: FloatArray, recording: str = "") -> list[str]:
     return [f"{where}at {number(time, 4)} s" for time in times]
 
 
-def _panel(row: Row, x: FloatArray, factor: float) -> Panel:
+def traces_of(clouds: Sequence[Cloud], notes: Sequence[str], x: FloatArray) -> list[Trace]:
+    """Dots of clouds, thinned, and the means of their bins.
+
+    Args:
+        clouds: with the same n stamps.
+        notes: what each sample is, n texts.
+        x: abscissa, shape (n,).
+    """
     thin = slice(None, None, max(1, -(-len(x) // _MOST)))
-    x = factor * x
-    notes = list(row.notes)[thin]
+    told = list(notes)[thin]
     traces = [
         Trace(
             one.key, Look(one.look.label, one.look.colour, None, _DOT), x[thin], one.values[thin],
-            dots=True, notes=notes,
+            dots=True, notes=told,
         )
-        for one in row.clouds
+        for one in clouds
     ]  # fmt: skip
-    for one in row.clouds:
+    for one in clouds:
         if one.averaged:
             centre, mean, error = binned(x, one.values)
             traces.append(Trace("means", MEANS, centre, mean, notes=["± standard error"] * len(mean), spread=error))
+    return traces
+
+
+def _panel(row: Row, x: FloatArray, factor: float) -> Panel:
+    traces = traces_of(row.clouds, row.notes, factor * x)
     return Panel(row.label, row.unit, traces, frame=row.frame, zero=True, title=row.title)

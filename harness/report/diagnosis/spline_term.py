@@ -5,33 +5,36 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.motion import FloatArray
-from analytic.rig import Rig
 from harness.formatting import number
 from harness.identify.estimate.fit import TWO_SIDED
-from harness.identify.filter.run import run_filter
-from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
+from harness.report.chart import Chart, Panel, Trace
+from harness.report.clouds import Cloud, traces_of
 from harness.report.diagnosis.account import FOUND, Account
 from harness.report.diagnosis.residual_acceleration import LEFT
+from harness.report.diagnosis.spline_samples import samples_of
 from harness.report.page import Section
+from harness.report.palette import UNCERTAINTY_COLOUR, Look
 from harness.report.plots import Picture, band, dots, drawing, frame, means, picture, sample, style
 from harness.report.tables import Column, Table
 from harness.report.wording import DEPENDENCES
 
+TERM = Look("spline term", FOUND.colour, None, 1.6, 5)
+NODES = Look("nodes", FOUND.colour, None, 4.0, 5)
+INTERVAL = Look("95 % interval", UNCERTAINTY_COLOUR)
+_NODE = ["± half of the 95 % interval"]
 _PLOT_POINTS = 400  # of the spline
-_MIN_ROLLING_SPEED = 0.03  # above which the sign of the velocity is certain [m/s]
-_ABSCISSA = {  # name, unit, factor to it
-    Regressor.POSITION: ("position $s$", "m", 1.0),
-    Regressor.VELOCITY: (r"velocity $\dot s$", "m/s", 1.0),
-    Regressor.ANGLE: (r"beam angle $\alpha$", "deg", float(np.degrees(1.0))),
-    Regressor.ROLL_ANGLE: (r"rolled angle $\varphi$", "deg", float(np.degrees(1.0))),
-    Regressor.TIME: ("time", "s", 1.0),
+_ABSCISSA = {  # name, symbol, unit, factor to it
+    Regressor.POSITION: ("position", "$s$", "m", 1.0),
+    Regressor.VELOCITY: ("velocity", r"$\dot s$", "m/s", 1.0),
+    Regressor.ANGLE: ("beam angle", r"$\alpha$", "deg", float(np.degrees(1.0))),
+    Regressor.ROLL_ANGLE: ("rolled angle", r"$\varphi$", "deg", float(np.degrees(1.0))),
+    Regressor.TIME: ("time", "", "s", 1.0),
 }
-_ORDINATE = {  # by whether it is of friction, of the sensor
-    (False, False): "force on the ball [mN]",
-    (True, False): "added to the coefficient\nof dry friction [1]",
-    (False, True): "error of the\nposition sensor [mm]",
+_ORDINATE = {  # name, unit, by whether it is of friction, of the sensor
+    (False, False): ("force on the ball", "mN"),
+    (True, False): ("added to the coefficient\nof dry friction", "1"),
+    (False, True): ("error of the\nposition sensor", "mm"),
 }
 _DOTS = {  # by whether it is of the sensor
     False: "residual acceleration of the model, estimated from the recordings alone",
@@ -71,100 +74,53 @@ def _period(account: Account, spline: SplineTerm) -> str:
 
 @style()
 def _picture(account: Account, spline: SplineTerm, factor: float, reach: FloatArray) -> Picture:
-    name, unit, scale = _ABSCISSA[spline.depends]
-    where, left = (_misread if spline.sensor else _left)(account, spline)
-    figure = drawing(3.4)
-    axes = figure.add_subplot()
+    name, symbol, unit, scale = _ABSCISSA[spline.depends]
+    quantity, unit_of_values = _ORDINATE[spline.friction, spline.sensor]
     first, last = spline.places[0], spline.places[-1] + (spline.step if spline.closed else 0.0)
+    inside = samples_of(account, spline).within(first, last)
+    x, left = scale * inside.where, factor * inside.left
     along = np.linspace(first, last, _PLOT_POINTS)
     y = factor * spline.at(along)
-    dots(axes, scale * where, factor * left, LEFT)
-    inside = (where >= first) & (where <= last)
-    means(axes, scale * where[inside], factor * left[inside], layer=4)
     width = factor * np.interp(along, spline.places, reach, period=spline.period if spline.closed else None)
+    figure = drawing(3.4)
+    axes = figure.add_subplot()
+    dots(axes, x, left, LEFT)
+    means(axes, x, left, layer=4)
     band(axes, scale * along, y - width, y + width)
     axes.plot(scale * along, y, color=FOUND.colour, linewidth=1.6, zorder=5)
     axes.plot(scale * spline.places, factor * spline.nodes, "o", color=FOUND.colour, markersize=4.5, zorder=5)
-    low, high = np.percentile(factor * left[inside], (2.0, 98.0))
-    frame(axes, np.concatenate((y, [low, high])), margin=0.15, least=0.0)
+    frame(axes, np.concatenate((y, np.percentile(left, (2.0, 98.0)))), margin=0.15, least=0.0)
+    abscissa = f"{name}{' within a period' * spline.periodic}"
     axes.set(
         xlim=(scale * first, scale * last),
-        xlabel=f"{name}{' within a period' * spline.periodic} [{unit}]",
-        ylabel=_ORDINATE[spline.friction, spline.sensor],
+        xlabel=f"{abscissa} {symbol} [{unit}]",
+        ylabel=f"{quantity} [{unit_of_values}]",
     )
-    dotted = sample(LEFT, "reading less position of the model" if spline.sensor else "")
-    figure.legend(handles=[dotted, sample(FOUND, "spline term")], loc="outside upper left", ncols=2)
+    dotted = replace(LEFT, label="reading less position of the model") if spline.sensor else LEFT
+    figure.legend(handles=[sample(dotted), sample(FOUND, TERM.label)], loc="outside upper left", ncols=2)
     what = "friction" if spline.friction else "error of the position sensor" if spline.sensor else "force"
+    traces = [
+        Trace("interval", INTERVAL, scale * along, y + width, low=y - width),
+        *traces_of([Cloud("residual", dotted, left)], inside.notes, x),
+        Trace("term", TERM, scale * along, y),
+        Trace("nodes", NODES, scale * spline.places, factor * spline.nodes, notes=_NODE * len(spline.nodes), dots=True,
+              spread=factor * reach),
+    ]  # fmt: skip
+    panel = Panel(quantity.replace("\n", " "), unit_of_values, traces, frame=axes.get_ylim(), zero=True)
     return picture(
         figure,
         f"The unlisted {what} as a function of {DEPENDENCES[spline.depends]}.",
         f"Estimated spline term with {len(spline.nodes)} nodes over "
         f"{'one period' if spline.periodic else 'the range of the recordings'}, with 95 % "
-        f"intervals of the nodes (grey). Dots: {_DOTS[spline.sensor]}; black: bin means with their standard errors."
-        f"{' A negative total friction is set to zero.' if spline.friction else ''}",
+        f"intervals of the nodes (band). Dots: {_DOTS[spline.sensor]}; joined points: means of bins with their "
+        f"standard errors.{' A negative total friction is set to zero.' if spline.friction else ''}",
+        Chart("spline-term", [panel], abscissa, unit.replace("deg", "°")),
     )
 
 
-def _misread(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
-    """Where the model's filtered ball is [m], and what readings are more than a sensor without an error gives there."""
-    diagnosis = account.diagnosis
-    wheres, lefts = [], []
-    for record in diagnosis.problem.recordings:
-        run = run_filter(diagnosis.problem, record, diagnosis.found.terms, diagnosis.found.process_noise)
-        known = np.isfinite(record.reading)
-        lies = run.state[known, 3]
-        wheres.append(lies)
-        lefts.append(record.reading[known] - replace(run.sensor, error=None).curve(lies))
-    return np.concatenate(wheres), np.concatenate(lefts)
-
-
-def _left(account: Account, spline: SplineTerm) -> tuple[FloatArray, FloatArray]:
-    """Residual of the model with the listed effects in the unit of the nodes, and its abscissa, at trusted readings."""
-    diagnosis, k = account.diagnosis, account.diagnosis.problem.rig.rolling_ratio
-    listed = replace(diagnosis.found, terms=replace(diagnosis.found.terms, spline=None))
-    wheres, lefts = [], []
-    each = zip(diagnosis.problem.recordings, account.residual_accelerations, diagnosis.found.terms.phases, strict=True)
-    for record, seen, phase in each:
-        explained = residual_acceleration(diagnosis.problem, listed, record, account.ball(record)).law
-        where = _along(spline, record, seen, diagnosis.problem.rig, float(phase))
-        left, use = (seen.residual - explained) / k, seen.trusted
-        if spline.friction:
-            normal = _normal(record, seen, diagnosis.problem.rig)
-            use = use & (np.abs(seen.velocity) > _MIN_ROLLING_SPEED) & (normal > 0.0)
-            left = -np.sign(seen.velocity) * left / np.where(normal > 0.0, normal, 1.0)
-        wheres.append(where[use])
-        lefts.append(left[use])
-    return np.concatenate(wheres), np.concatenate(lefts)
-
-
-def _along(
-    spline: SplineTerm, record: PreparedRecording, seen: ResidualAcceleration, rig: Rig, phase: float
-) -> FloatArray:
-    """Argument of the spline term at the stamps of a recording; `phase` is the ball's initial roll phase [rad]."""
-    match spline.depends:
-        case Regressor.POSITION:
-            return spline.low + (seen.position - spline.low) % spline.period if spline.periodic else seen.position
-        case Regressor.VELOCITY:
-            return seen.velocity
-        case Regressor.ANGLE:
-            return seen.angle
-        case Regressor.ROLL_ANGLE:
-            return ((seen.position - record.origin) / rig.rolling_radius + phase) % (2.0 * np.pi)
-        case Regressor.TIME:
-            return seen.time
-
-
-def _normal(record: PreparedRecording, seen: ResidualAcceleration, rig: Rig) -> FloatArray:
-    """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
-    angle, rate, angular = record.drive.states.T
-    arm = rig.eccentricity + rig.rolling_radius
-    turning = 2.0 * seen.velocity * rate + seen.position * angular + arm * rate**2
-    return np.asarray(rig.gravity * np.cos(angle) - turning)
-
-
 def _table(spline: SplineTerm, factor: float, reach: FloatArray) -> Table:
-    _, unit, scale = _ABSCISSA[spline.depends]
-    unit_of_values = "1" if spline.friction else "mm" if spline.sensor else "mN"
+    _, _, unit, scale = _ABSCISSA[spline.depends]
+    _, unit_of_values = _ORDINATE[spline.friction, spline.sensor]
     quantity = f"{'coefficient' if spline.friction else 'error' if spline.sensor else 'force'} [{unit_of_values}]"
     rows = [
         (number(scale * at), number(factor * value), number(factor * half, 2))
