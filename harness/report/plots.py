@@ -29,7 +29,7 @@ _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
 _WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
 _USE = "Drag to zoom, with Shift to move; Ctrl and wheel, the buttons or + − ← → 0 do the same."
-_LINKED = "A click sets the instant of all plots over the same time and of a replay of it."
+_LINKED = "A click sets the instant of all that shows the same time."
 _POINTS = "The point nearest to the mouse says what it is; ‹ and › go from point to point."
 
 style = partial(context, Path(__file__).with_name("report.mplstyle"))
