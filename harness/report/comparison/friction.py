@@ -1,10 +1,13 @@
 """Section on the readings of the paper's friction law: dimensional consistency and dissipation."""
 
+from dataclasses import replace
+
 import numpy as np
 from markupsafe import Markup
 
 from analytic.models import FRICTION, Reading
 from analytic.rig import Rig
+from harness.report.chart import Chart, Panel, Trace
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section, typeset
 from harness.report.palette import INK, look_of, swatch
@@ -74,11 +77,15 @@ def _picture(subject: Subject) -> Picture:
     figure = drawing(2.9)
     left, right = figure.subplots(1, 2)
     entries = []
+    forces, powers = [], []
     for reading, model in FRICTION.items():
         look = look_of(model.name)
         resistance = 1e3 * force(reading, rig, velocity)
         line(left, velocity, -resistance, look)
         line(right, velocity, -resistance * velocity, look)
+        named = replace(look, label=READING_LABELS[reading])
+        forces.append(Trace(model.name, named, velocity, -resistance))
+        powers.append(Trace(model.name, named, velocity, -resistance * velocity))
         entries.append(sample(look, READING_LABELS[reading]))
     for axes, name in ((left, "force on the ball [mN]"), (right, "power into the ball [mW]")):
         zero(axes)
@@ -91,4 +98,13 @@ def _picture(subject: Subject) -> Picture:
         "ever positive.",
         "Force and power of each reading with this run's f_b and v_t, on a level beam, over the speeds of "
         "this recording. Positive power adds energy.",
+        Chart(
+            "friction-readings",
+            [
+                Panel("force on the ball", "mN", forces, zero=True),
+                Panel("power into the ball", "mW", powers, zero=True),
+            ],
+            "velocity",
+            "m/s",
+        ),
     )
