@@ -34,7 +34,8 @@ class Trace:
         notes: what each sample is, for readers, n texts: the samples are then marked as points, and the one nearest to
             the mouse is told. Their abscissas are finite and in any order; a line joins them in the order given. Empty
             for a line whose samples are nothing by themselves.
-        spread: half-length of each point's error bar, shape (n,); NaN for none. `None` for points without.
+        spread: half-length of each point's error bar, shape (n,); NaN for none. `None` for points without. The bar is
+            along the ordinate, or in a panel of rows along the abscissa.
     """
 
     key: str
@@ -76,6 +77,8 @@ class Panel:
         log: whether the ordinate is logarithmic; what is not positive is left out.
         zero: whether the line at 0 is drawn.
         title: above the axes; may be empty.
+        rows: names of rows, from top to bottom, where the ordinate is no quantity: row k is around −k. Label and unit
+            are then those of no axis, and `zero` is across the rows.
     """
 
     label: str
@@ -85,6 +88,7 @@ class Panel:
     log: bool = False
     zero: bool = False
     title: str = ""
+    rows: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -159,7 +163,7 @@ class Chart:
             panels.append(
                 {
                     "label": panel.label, "unit": panel.unit, "title": panel.title, "log": panel.log,
-                    "zero": panel.zero, "frame": panel.frame, "series": series,
+                    "zero": panel.zero, "frame": panel.frame, "series": series, "names": list(panel.rows),
                 }
             )  # fmt: skip
         return {

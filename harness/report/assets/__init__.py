@@ -7,7 +7,7 @@ LIBRARY = "uplot/uPlot.iife.min.js"
 LIBRARY_STYLE = "uplot/uPlot.min.css"
 LICENCE = "uplot/LICENSE"
 _FIRST = ("data.js", "clock.js", "theme.js")
-_CHARTS = ("axes.js", "points.js", "chart.js", "replay.js")
+_CHARTS = ("axes.js", "points.js", "rows.js", "chart.js", "replay.js")
 
 
 @cache

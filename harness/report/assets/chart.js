@@ -140,7 +140,9 @@
 
     // With room beside the first and the last point, which would be cut by the frame.
     covered() {
-      const ends = [this.x[0], this.x[this.x.length - 1]];
+      const rows = this.data.panels.filter((panel) => panel.names.length > 0);
+      const far = [this.x[0], this.x[this.x.length - 1], ...rows.flatMap((panel) => report.rows.covered(this.x, panel))];
+      const ends = [Math.min(...far), Math.max(...far)];
       if (this.data.panels.every((panel) => panel.series.every((one) => one.rows === undefined))) return ends;
       const [begin, end] = ends.map((one) => this.clock.place(one));
       const room = 0.05 * (end - begin) || (this.clock.log ? 0.2 : Math.abs(begin) * 0.1 || 1);
@@ -207,12 +209,13 @@
       const height = data.panels.length > 1 ? STACKED : HEIGHT;
       data.panels.forEach((panel, number) => {
         const last = number === data.panels.length - 1;
+        const rows = panel.names.length > 0;
         const { columns, series, bands } = plotted(this.x, panel);
         const holder = make("div", { class: "panel" });
         if (panel.title !== "") holder.append(make("p", { class: "panel-title" }, panel.title));
         this.place.append(holder);
         const options = {
-          width: wide, height: height + (last ? 30 : 0), series, bands, legend: { show: false },
+          width: wide, height: (rows ? report.rows.height(panel) : height) + (last ? 30 : 0), series, bands, legend: { show: false },
           scales: {
             x: { time: false, range: (_, low, high) => [low, high], ...(data.log ? { distr: 3 } : {}) },
             y: { range: (plot, low, high) => this.limits(panel, low, high), ...(panel.log ? { distr: 3 } : {}) },
@@ -222,9 +225,10 @@
               size: last ? 36 : 22, labelSize: last ? 20 : 0, values: last ? report.axes.texts : () => [],
               ...(data.log ? report.axes.log : {}),
             }),
-            axis(named(panel.label, panel.unit), {
-              size: AXIS, labelSize: 18, values: report.axes.texts, ...(panel.log ? report.axes.log : {}),
-            }),
+            rows ? axis(null, { size: 12, values: () => [], splits: () => panel.names.map((_, row) => 0.62 - row) })
+              : axis(named(panel.label, panel.unit), {
+                size: AXIS, labelSize: 18, values: report.axes.texts, ...(panel.log ? report.axes.log : {}),
+              }),
           ],
           cursor: {
             sync: { key: this.data.clock === "" ? this.data.id : this.data.clock, setSeries: false },
@@ -237,7 +241,7 @@
             setSelect: [(plot) => this.selected(plot)],
             drawClear: [(plot) => drawMarks(plot, data.marks)],
             draw: [
-              ...(panel.zero ? [zeroLine] : []),
+              ...(rows ? [(drawn) => report.rows.draw(drawn, panel)] : panel.zero ? [zeroLine] : []),
               (drawn) => this.bars(drawn, panel),
               () => this.ring(),
             ],
@@ -262,6 +266,7 @@
 
     // Of the data in sight, but never beyond the frame: a source that runs away does not flatten the others.
     limits(panel, low, high) {
+      if (panel.names.length > 0) return report.rows.ends(panel);
       if (low === null || high === null) [low, high] = panel.frame ?? [panel.log ? 0.1 : 0, 1];
       if (panel.frame !== null) {
         const [least, most] = panel.frame;
@@ -356,7 +361,7 @@
     bars(plot, panel) {
       for (const one of panel.series)
         if (one.rows !== undefined && one.spread !== null && !report.sources.off.has(one.key))
-          report.points.bars(plot, this.x, one, panel.log);
+          report.points.bars(plot, this.x, one, panel);
     }
 
     moved(time) {

@@ -27,8 +27,8 @@
     return { stroke: path, fill: null, clip: null, band: null, gaps: null, flags: 0 };
   }
 
-  // A bar that goes below what a logarithmic axis can show ends at its foot.
-  function bars(plot, x, one, log) {
+  // A bar that goes below what a logarithmic axis can show ends at its foot. In rows bars lie.
+  function bars(plot, x, one, panel) {
     const { ctx } = plot;
     const { left, top, width, height } = plot.bbox;
     const foot = plot.scales.y.min;
@@ -40,7 +40,13 @@
     for (const row of one.rows) {
       const [value, half] = [one.y[row], one.spread[row]];
       if (value === null || half === null || half === undefined) continue;
-      const low = log ? Math.max(value - half, foot) : value - half;
+      if (panel.names.length > 0) {
+        const across = plot.valToPos(value, "y", true);
+        ctx.moveTo(plot.valToPos(x[row] - half, "x", true), across);
+        ctx.lineTo(plot.valToPos(x[row] + half, "x", true), across);
+        continue;
+      }
+      const low = panel.log ? Math.max(value - half, foot) : value - half;
       const at = plot.valToPos(x[row], "x", true);
       ctx.moveTo(at, plot.valToPos(low, "y", true));
       ctx.lineTo(at, plot.valToPos(value + half, "y", true));
@@ -83,8 +89,9 @@
 
   function text(data, x, panel, { one, row, number }) {
     const half = one.spread?.[row];
-    const bar = half === null || half === undefined ? "" : ` ± ${report.text(half, panel.unit, 2)}`;
-    const values = [
+    const lying = panel.names.length > 0;
+    const bar = half === null || half === undefined ? "" : ` ± ${report.text(half, lying ? data.unit : panel.unit, 2)}`;
+    const values = lying ? [`${data.label} ${report.text(x[row], data.unit)}${bar}`] : [
       `${panel.label} ${report.text(one.y[row], panel.unit)}${bar}`, `${data.label} ${report.text(x[row], data.unit)}`,
     ];
     return `${one.label}${one.notes[number] === "" ? "" : `, ${one.notes[number]}`}: ${values.join("; ")}`;

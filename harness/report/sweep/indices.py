@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from harness.formatting import fixed
+from harness.report.chart import Chart, Panel, Trace
 from harness.report.page import Section
-from harness.report.palette import INK, label_of, look_of
+from harness.report.palette import INK, Look, label_of, look_of
 from harness.report.plots import Picture, drawing, picture, style
 from harness.report.sweep.subject import Subject
 from harness.report.tables import Table, texts
@@ -14,6 +15,9 @@ from harness.sweeps.indices import Indices
 from harness.sweeps.results import MEASURED
 
 _MOST_PICTURES = 6
+_ORDERS = {"first": "first order: alone", "total": "total: with others"}
+_APART = 0.28  # of a row, between its two indices
+_MARK = 3.0  # width of a point's look [px]
 
 
 def section(subject: Subject) -> Section | None:
@@ -28,7 +32,7 @@ def section(subject: Subject) -> Section | None:
         "sweep/indices.html",
         {
             "tables": tables(subject),
-            "pictures": [_picture(subject, one) for one in drawn[:_MOST_PICTURES]],
+            "pictures": [_picture(subject, number, one) for number, one in enumerate(drawn[:_MOST_PICTURES])],
             "without": without(subject),
             "dropped": [
                 f"{_title(subject, one)}: {one.dropped} of {one.base_samples} base samples left out, because a run "
@@ -77,8 +81,23 @@ def _title(subject: Subject, one: Indices) -> str:
     return f"{label_of(one.source)}, {output}" + (f" ({listed})" if listed else "")
 
 
+def chart(subject: Subject, number: int, one: Indices) -> Chart:
+    """Indices of one output as data of the page, one row a factor: its total index below that of first order."""
+    look = look_of(one.source)
+    traces = []
+    for key, colour, down in (("first", look.colour, 0.0), ("total", INK, _APART)):
+        values = [getattr(each, key) for each in one.factors]
+        halves = [getattr(each, f"{key}_half") for each in one.factors]
+        places = -np.arange(len(one.factors)) - down
+        names = [each.factor for each in one.factors]
+        shown = Look(_ORDERS[key], colour, None, _MARK)
+        traces.append(Trace(f"{key} order", shown, values, places, dots=True, notes=names, spread=halves))
+    panel = Panel("factor", "", traces, zero=True, rows=[each.factor for each in one.factors])
+    return Chart(f"indices-{number}", [panel], "share of the variance", "1")
+
+
 @style()
-def _picture(subject: Subject, one: Indices) -> Picture:
+def _picture(subject: Subject, number: int, one: Indices) -> Picture:
     figure = drawing(1.0 + 0.42 * len(one.factors))
     axes = figure.subplots()
     places = np.arange(len(one.factors), dtype=float)[::-1]
@@ -86,12 +105,17 @@ def _picture(subject: Subject, one: Indices) -> Picture:
     for shift, face, name in ((0.17, look.colour, "first"), (-0.17, "white", "total")):
         values = [getattr(each, name) for each in one.factors]
         halves = [getattr(each, f"{name}_half") for each in one.factors]
-        label = "first order: alone" if name == "first" else "total: with others"
-        axes.barh(places + shift, values, 0.3, xerr=halves, color=face, edgecolor=look.colour, ecolor=INK, label=label)
+        axes.barh(
+            places + shift, values, 0.3, xerr=halves, color=face, edgecolor=look.colour, ecolor=INK,
+            label=_ORDERS[name],
+        )  # fmt: skip
     axes.set_yticks(places, [each.factor for each in one.factors])
     axes.axvline(0.0, color=INK, linewidth=0.8)
     axes.set_xlabel("share of the variance")
     figure.legend(loc="outside upper right", ncols=2)
     return picture(
-        figure, f"Sobol' indices of {len(one.factors)} factors", f"{_title(subject, one)}. Lines: 95 % intervals."
+        figure,
+        f"Sobol' indices of {len(one.factors)} factors",
+        f"{_title(subject, one)}. Of each factor, first order above total. Lines: 95 % intervals.",
+        chart(subject, number, one),
     )
