@@ -160,7 +160,7 @@ def left_out(axes: Axes, readings: FloatArray) -> list[Line2D]:
 
 
 def band(axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray) -> None:
-    """Draws an uncertainty band in grey."""
+    """Draws an uncertainty band."""
     thin = slice(None, None, thinning(len(time)))
     time, low, high = time[thin], low[thin], high[thin]
     axes.fill_between(time, low, high, color=UNCERTAINTY_COLOUR, alpha=0.35, linewidth=0.0, zorder=1)

@@ -88,7 +88,7 @@ def _growth(subject: Subject) -> Picture:
         f"RMS position error of every source against the length of the runs, {number(seconds[0])} to "
         f"{number(seconds[-1])} s, with u_val and the error of a stationary ball.",
         "RMS error against the length of the runs (bars: standard error over windows). A source below the dotted "
-        "line predicts better than a stationary ball; the error of one within the grey area is explained by u_val.",
+        "line predicts better than a stationary ball; the error of one within the shaded area is explained by u_val.",
         Chart("growth", [panel], "length of the runs", "s", log_x=True),
     )
 

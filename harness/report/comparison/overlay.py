@@ -32,8 +32,8 @@ def overlay(subject: Subject, horizon: Horizon) -> plots.Picture:
     return plots.picture(
         drawn(subject, horizon),
         f"Ball position over time, {shown}: {subject.measured} and all sources. RMS errors: {best}.",
-        f"{subject.measured.capitalize()} ball position (black) and every source {subject.over(horizon)}, closest "
-        f"first. {dots}Grey: ± 2 u_val, the expected error of a perfect model.",
+        f"{subject.measured.capitalize()} ball position and every source {subject.over(horizon)}, closest "
+        f"first. {dots}Band: ± 2 u_val, the expected error of a perfect model.",
         chart(subject, horizon),
         "Triangles: a source leaves the frame.",
     )

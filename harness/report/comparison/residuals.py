@@ -55,7 +55,7 @@ def _over_time(subject: Subject) -> plots.Picture:
     return plots.picture(
         figure,
         f"Position error of every source over time, {subject.over(horizon)}, with the band of two u_val.",
-        f"Position error of every source {subject.over(horizon)}; grey: ± 2 u_val.",
+        f"Position error of every source {subject.over(horizon)}; band: ± 2 u_val.",
         _errors_chart(subject, errors, frame=axes.get_ylim()),
         "Triangles: leaves the frame.",
     )
@@ -152,7 +152,7 @@ def _acceleration(subject: Subject) -> plots.Picture:
         figure,
         "Residual acceleration of CAM over time and against position, velocity and beam angle.",
         "Residual acceleration: the ball's acceleration that CAM does not explain, estimated from the recording, "
-        "with its ± 2 σ band (grey), over time and against s, ṡ, α. A step at ṡ = 0 indicates dry friction, a "
+        "with its ± 2 σ band, over time and against s, ṡ, α. A step at ṡ = 0 indicates dry friction, a "
         "slope in ṡ viscous damping, an offset a level error, a slope in s a curved track. Its standard deviation "
         f"is {number(scatter)} m/s², its uncertainty {number(std_rms, 2)} m/s².",
         Chart("residual-acceleration", [panel], clock=CLOCK),

@@ -209,7 +209,7 @@ def _picture(account: Account) -> plots.Picture:
         before_after(account, runs),
         f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
         f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
-        f"(shaded). RMS error after them: {', '.join(ends)}. Grey: ± 2 σ of the last of them, below including reading "
+        f"(shaded). RMS error after them: {', '.join(ends)}. Band: ± 2 σ of the last of them, below including reading "
         "noise. Parameters are those of the verdict, fitted to this recording "
         "too; for held-out errors see below.",
         chart(account, runs),
