@@ -20,6 +20,9 @@ GHOST_OPACITY = 0.3
 GHOST_SIZE = 1.06
 FOVY = 20.0  # [deg]: small, so that lengths along the beam look alike everywhere
 AZIMUTH, ELEVATION = 85.0, -12.0  # of the direction of view, almost across the beam [deg]
+# What carries the beam, and how it is drawn where it would hide a ball above the pivot.
+STAND = ("cheek_left", "cheek_right", "bracket_left", "bracket_right", "axle")
+STAND_OPACITY = 0.1
 SHADOWS = (
     1024  # side of the picture of shadows [pixels]; with 4096 a processor without graphics takes half as long again
 )
@@ -38,9 +41,20 @@ class Drawing:
         self.model.vis.global_.fovy = FOVY
         self.model.vis.quality.shadowsize = SHADOWS
         self.model.mat("steel").rgba[:3] = ENGINE_COLOUR  # of the ball alone; its cross stays dark
+        self._see_through_stand()
         self.data = mujoco.MjData(self.model)
         self._instant: Instant | None = None
         self._ball = self.model.geom("ball").id
+
+    def _see_through_stand(self) -> None:
+        """Make what carries the beam translucent if it is higher than the walls between which the ball rolls."""
+        cheek = self.model.geom(STAND[0])
+        if cheek.pos[2] + cheek.size[2] <= self.playback.channel.wall_top:
+            return
+        for name in STAND:
+            geom = self.model.geom(name)
+            geom.rgba[:] = *self.model.mat_rgba[geom.matid[0], :3], STAND_OPACITY
+            geom.matid[0] = -1
 
     def place(self, run: int, time: float) -> Instant:
         """Put beam and ball where they are in a run at `time` [s]; what is shown now."""

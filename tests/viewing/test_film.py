@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -42,6 +43,21 @@ def test_a_ball_that_is_not_known_is_not_drawn() -> None:
         picture = renderer.picture()
     assert not orange(picture).any()
     assert blue(picture).any()
+
+
+def test_the_stand_hides_no_ball() -> None:
+    """Show a ball above a pivot that is level with the edges as high as one beside the stand."""
+    need_opengl()
+    playback = made()
+    rig = replace(playback.runs[0].rig, eccentricity=0.0)
+    run = replace(playback.runs[0], rig=rig, position=playback.runs[0].position - 0.1)  # begins at the pivot
+    drawing = Drawing(replace(playback, runs=(run,)))
+    with offscreen(drawing, WIDTH, HEIGHT) as renderer:
+        heights = []
+        for time in (0.0, 1.0):
+            drawing.place(0, time)
+            heights.append(int((orange(renderer.picture()).sum(axis=1) >= 3).sum()))
+    assert heights[0] == pytest.approx(heights[1], abs=2 * PIXEL)
 
 
 def test_an_animated_picture_has_every_frame(tmp_path: Path) -> None:
