@@ -7,6 +7,7 @@
   const STACKED = 185; // of one of several panels [px]
   const AXIS = 72; // width of the ordinate's labels, equal in all panels [px]
   const CLICK = 4; // a shorter drag is a click [px]
+  let drag = null; // the last one: its plot, where it began, the span shown then, whether it moves that span
 
   function read(data) {
     const x = report.doubles(data.x);
@@ -132,7 +133,9 @@
       this.hovered = null;
       const image = figure.querySelector("img");
       const name = data.clock === "" ? `${image.alt} Against ${data.label}.` : image.alt;
-      this.place = make("div", { class: data.clock === "" ? "live" : "live over-time", role: "group", "aria-label": name });
+      this.place = make("div", {
+        class: data.clock === "" ? "live" : "live over-time", role: "group", "aria-label": name, "data-chart": data.id,
+      });
       image.before(this.place);
       this.place.append(this.controls(), this.switches());
       this.place.addEventListener("keydown", (event) => this.key(event));
@@ -278,21 +281,18 @@
     }
 
     pointer(plot) {
-      let from = null;
       const over = plot.over;
       over.addEventListener("mousedown", (event) => {
-        from = [event.clientX, ...this.clock.shown, event.shiftKey];
+        drag = { plot, x: event.clientX, span: this.clock.shown, moves: event.shiftKey };
       });
       over.addEventListener("mousemove", (event) => {
-        if (from === null || !from[3] || event.buttons === 0) return;
-        const [x, begin, end] = from;
-        this.clock.pan((x - event.clientX) / over.clientWidth, [begin, end]);
+        if (drag?.plot === plot && drag.moves && event.buttons !== 0)
+          this.clock.pan((drag.x - event.clientX) / over.clientWidth, drag.span);
       });
       over.addEventListener("click", (event) => {
-        const still = from === null || Math.abs(event.clientX - from[0]) < CLICK;
+        const still = drag === null || Math.abs(event.clientX - drag.x) < CLICK;
         const at = plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x");
         if (still) this.clock.set(at);
-        from = null;
       });
       over.addEventListener("dblclick", () => this.clock.all());
       // With Ctrl as in maps on a page: the wheel alone scrolls the page.
@@ -302,7 +302,6 @@
         const at = plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x");
         this.clock.zoom(event.deltaY > 0 ? 1.25 : 0.8, at);
       }, { passive: false });
-      this.shift = () => from !== null && from[3];
     }
 
     selected(plot) {
@@ -310,7 +309,7 @@
       if (width < CLICK) return;
       const span = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
       plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-      if (!this.shift()) this.clock.show(...span);
+      if (drag?.plot === plot && !drag.moves) this.clock.show(...span); // linked plots are told of the drag, too
     }
 
     rescale() {
