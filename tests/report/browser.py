@@ -86,6 +86,16 @@ def on_paper(driver) -> Iterator:
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "screen"})
 
 
+@contextmanager
+def without_scripts(driver) -> Iterator:
+    """Pages that are opened meanwhile run no scripts."""
+    driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+
+
 def resize(driver, width: int) -> None:
     """Make the page `width` pixels wide."""
     metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
