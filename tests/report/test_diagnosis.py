@@ -30,7 +30,6 @@ from harness.report.diagnosis.account import Account
 from harness.report.diagnosis.inputs import _status
 from harness.report.diagnosis.verdict import before_after
 from harness.simulator import Experiment, write_case
-from tests.report import browser
 
 NAME = "rolling_resistance"
 EXPERIMENT = Experiment(hidden={NAME: {"coefficient": 0.004}}, duration=8.0, seed=1, predict=0)
@@ -303,28 +302,3 @@ def test_a_spline_term_has_a_section_of_its_own(diagnosis, case):
     assert "a force that depends on the ball&#39;s position" in page
     nodes = page[page.index("Nodes of the spline term") :].split("</table>")[0]
     assert nodes.count('<th scope="row">') == len(term.nodes)
-
-
-@pytest.mark.slow
-def test_the_page_works_in_a_browser(html, diagnosis, tmp_path):
-    """Place the recorded ball where it was read, at three widths, light and dark, without a finding or a complaint."""
-    path = tmp_path / "diagnosis.html"
-    path.write_text(html, encoding="utf-8")
-    assert path.stat().st_size < 5e6
-    shown = diagnosis.problem.recordings[0]
-    with browser.chromium() as driver:
-        browser.resize(driver, 900)
-        driver.get(path.as_uri())
-        browser.settle(driver)
-        for row in np.flatnonzero(np.isfinite(shown.reading))[[3, 200, 600]]:
-            driver.execute_script("report.replays[0].clock.set(arguments[0])", float(shown.time[row]))
-            ball = driver.find_element("css selector", ".stage circle[data-key=recorded]")
-            # Readings have four bytes in the page, about 6e-8 of their size.
-            assert float(ball.get_attribute("data-position")) == pytest.approx(shown.reading[row], rel=1e-7, abs=1e-9)
-        for theme in ("light", "dark"):
-            browser.theme(driver, theme)
-            assert browser.findings(driver) == []
-        for width in browser.WIDTHS:
-            browser.photograph(driver, "diagnose", width)
-            assert driver.execute_script("return document.documentElement.scrollWidth") <= width
-        assert [entry["message"] for entry in driver.get_log("browser")] == []
