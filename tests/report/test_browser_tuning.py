@@ -19,6 +19,7 @@ from harness.report.tuning import render_tuning
 from harness.simulator import Experiment, write_case
 from harness.tuning.tune import tune
 from tests.report import browser
+from tests.report.any_page import AnyPage, drawn
 
 pytestmark = pytest.mark.slow
 FLOAT32 = 2.0**-23  # relative rounding of positions in the page
@@ -49,23 +50,17 @@ def page(tuning, tmp_path_factory):
     return path
 
 
-def line(driver, chart: str, panel: int, key: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values of one line as the page has them; where it has samples."""
-    x, y = driver.execute_script(
-        "const chart = report.charts.get(arguments[0]);"
-        "const one = chart.data.panels[arguments[1]].series.find((each) => each.key === arguments[2]);"
-        "const rows = chart.x.map((_, row) => row).filter((row) => one.y[row] !== undefined && one.y[row] !== null);"
-        "return [rows.map((row) => chart.x[row]), rows.map((row) => one.y[row])]",
-        chart, panel, key,
-    )  # fmt: skip
-    return np.array(x), np.array(y)
+class TestPage(AnyPage):
+    """What holds of every report."""
+
+    folder = "tune"
 
 
 @pytest.mark.parametrize("number", [0, 1])
 def test_recordings_are_drawn_as_they_are(driver, tuning, number):
     """Draw every reading of each recording at its stamp."""
     recording = tuning.case.recordings[tuning.case.identify[number]]
-    time, position = line(driver, f"held-out-{number}", 0, "recorded")
+    time, position = drawn(driver, f"held-out-{number}", 0, "recorded")
     np.testing.assert_allclose(time, recording.time, rtol=0, atol=1e-12)
     np.testing.assert_allclose(position, recording.position, rtol=FLOAT32)
 
@@ -77,7 +72,7 @@ def test_drawn_predictions_have_the_errors_that_are_told(driver, tuning, which):
     assert len(told) == 4
     for number in (0, 1):
         recording = tuning.case.recordings[tuning.case.identify[number]]
-        time, position = line(driver, f"held-out-{number}", 0, which)
+        time, position = drawn(driver, f"held-out-{number}", 0, which)
         begin = recording.time[0] + 3.0 + KNOWN  # blocks begin every 3 s
         assert time[0] == pytest.approx(begin - AHEAD, abs=0.04)
         last = time >= begin - 1e-9
@@ -85,8 +80,8 @@ def test_drawn_predictions_have_the_errors_that_are_told(driver, tuning, which):
         error = position[last] - np.interp(time[last], recording.time, recording.position)
         # At 25 Hz a cell of 40 ms has one reading, so that nothing was averaged.
         assert rms(error) == pytest.approx(told[2 * number + 1], rel=1e-5)
-        _, drawn = line(driver, f"held-out-{number}", 1, which)
-        np.testing.assert_allclose(drawn[last], 1e3 * error, rtol=FLOAT32, atol=1e-3)  # 1e-3 mm: position's rounding
+        _, below = drawn(driver, f"held-out-{number}", 1, which)
+        np.testing.assert_allclose(below[last], 1e3 * error, rtol=FLOAT32, atol=1e-3)  # 1e-3 mm: position's rounding
 
 
 def test_the_replay_shows_each_recording_and_its_runs(driver, tuning):
@@ -95,7 +90,7 @@ def test_the_replay_shows_each_recording_and_its_runs(driver, tuning):
     assert len(selection.find_elements("css selector", "option")) == 3
     for choice, chart in enumerate(("held-out-0", "held-out-1", "free-runs")):
         browser.choose(driver, selection, choice)
-        time, position = line(driver, chart, 0, "after")
+        time, position = drawn(driver, chart, 0, "after")
         row = len(time) // 3
         driver.execute_script("report.replays[0].clock.set(arguments[0])", float(time[row]))
         ball = driver.find_element("css selector", ".stage circle[data-key=after]")
@@ -136,10 +131,10 @@ def test_values_are_shown_with_units(driver):
     time = float(re.search(r"time ([\d.]+) s", driver.find_element("css selector", f"{HELD} .at").text)[1])
     box = driver.find_element("css selector", f"{HELD} input[data-key=after]")
     position, error = box.find_element("xpath", "../following-sibling::span").text.replace("−", "-").split(", ")
-    at, values = line(driver, "held-out-0", 0, "after")
+    at, values = drawn(driver, "held-out-0", 0, "after")
     # The time has four digits (0.5 ms), and no ball is faster than 1 m/s here.
     assert float(position.removesuffix(" m")) == pytest.approx(np.interp(time, at, values), abs=1e-3)
-    at, values = line(driver, "held-out-0", 1, "after")
+    at, values = drawn(driver, "held-out-0", 1, "after")
     assert float(error.removesuffix(" mm")) == pytest.approx(np.interp(time, at, values), abs=1.0)
 
 
@@ -155,33 +150,3 @@ def test_a_run_is_switched_off_everywhere(driver):
     assert not other.is_selected()
     other.click()
     assert driver.execute_script(state) == [True] * 6
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_it_is_accessible(driver, theme):
-    """Leave axe-core no serious or critical finding at three widths, with all details open."""
-    browser.theme(driver, theme)
-    driver.execute_script("document.querySelectorAll('details').forEach((one) => (one.open = true))")
-    for width in browser.WIDTHS:
-        browser.resize(driver, width)
-        browser.settle(driver)
-        assert browser.findings(driver) == []
-
-
-def test_one_offline_file_that_fits(driver, page):
-    """Ask for nothing but the file, of at most 5 MB; fit into three widths."""
-    assert page.stat().st_size < 5e6
-    assert browser.foreign_requests(driver, page) == []
-    for width in browser.WIDTHS:
-        assert all(path.stat().st_size > 1000 for path in browser.photograph(driver, "tune", width))
-        assert driver.execute_script("return document.documentElement.scrollWidth") <= width
-
-
-def test_paper_shows_the_still_pictures(driver):
-    """Print a still picture of every chart, and no controls."""
-    browser.theme(driver, "dark")
-    with browser.on_paper(driver):
-        assert not any(one.is_displayed() for one in driver.find_elements("css selector", ".live, .replay, #theme"))
-        stills = driver.find_elements("css selector", "main figure img")
-        assert len(stills) == 3
-        assert all(one.is_displayed() for one in stills)
