@@ -44,7 +44,7 @@ const report = {};
 
   const RAISED = { ...Object.fromEntries([..."⁰¹²³⁴⁵⁶⁷⁸⁹"].map((raised, digit) => [digit, raised])), "-": "⁻" };
 
-  // A number with `digits` significant ones, a true minus, and its unit.
+  // A number with `digits` significant ones, a true minus, and its unit, from which no line break parts it.
   report.text = (value, unit, digits = 4) => {
     if (value === null || value === undefined || !Number.isFinite(value)) return "—";
     const size = Math.abs(value);
@@ -52,7 +52,7 @@ const report = {};
     const rounded = Number(value.toPrecision(digits));
     const [front, power] = plain ? [String(rounded), ""] : rounded.toExponential().split("e");
     const tens = power === "" ? "" : "·10" + [...power.replace("+", "")].map((sign) => RAISED[sign]).join("");
-    return (front + tens).replaceAll("-", "−") + (unit === "1" || unit === "" ? "" : " " + unit);
+    return (front + tens).replaceAll("-", "−") + (unit === "1" || unit === "" ? "" : "\u00a0" + unit);
   };
 
   // `u_val` with its index set low.
