@@ -154,7 +154,7 @@ measured: $(INSTALLED) ## diagnose the measured rigs in the folder RECORDINGS=â€
 
 # The second command asks what the lock promises: on Linux with Python 3.11, nothing needs a compiler.
 # All extras but rerun, whose 170 MB serve one option of one command.
-EXTRAS := files ros control video dask sysid dart dev test
+EXTRAS := files matlab ros control video dask sysid dart dev test
 
 .PHONY: lock
 lock: ## resolve pyproject.toml into requirements.lock (ARGS=--upgrade for newer versions)
