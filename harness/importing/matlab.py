@@ -1,12 +1,14 @@
 """MAT-files of every version, and which groups of signals the variables in them are.
 
-Version 5 and older are read by SciPy, version 7.3 (HDF5) by h5py; both become the same tree of dictionaries (structs),
-lists (struct arrays and cells), arrays, texts and `Opaque` objects.
+Version 5 and older are read by SciPy, version 7.3 (HDF5) by h5py, and variables with objects in them by mat-io; all
+become the same tree of dictionaries (structs), lists (struct arrays and cells), arrays, texts, signals, `Series` and
+`Opaque`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +19,12 @@ from harness.importing.bytes import sha256_of
 from harness.importing.cells import measured
 from harness.importing.matlab5 import read_tree as read_tree_5
 from harness.importing.matlab73 import read_tree as read_tree_73
-from harness.importing.matlab_tree import Opaque
+from harness.importing.matlab_objects import Unreadable, read_objects
+from harness.importing.matlab_tree import FEWEST, MOST_SIGNALS, Opaque, Series
 from harness.importing.signals import Group, Signal, SourceFile, group_of, unique_names
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
-MOST_SIGNALS = 64  # of a matrix, along its shorter side
-FEWEST = 3  # values of a signal
+ROUNDING = 1e-6  # of stamps, in steps between them
 
 
 def read_matlab(path: Path) -> SourceFile:
@@ -35,21 +37,16 @@ def read_matlab(path: Path) -> SourceFile:
         head = stream.read(1024)
     version = "7.3" if HDF5 in head else "5"
     tree = read_tree_73(path) if version == "7.3" else read_tree_5(path)
+    tree, fault = _with_objects(path, tree)
     unread = list(_opaque("", tree))
-    objects = [f"{name} ({one.kind})" for name, one in unread if one.of_class]
+    objects = _objects_left_out([(name, one) for name, one in unread if one.of_class], fault)
     others = [f"{name} ({one.kind})" for name, one in unread if not one.of_class]
     groups, kinds = [], []
     for group, kind in _groups("", tree):
         groups.append(group)
         kinds.append(kind)
-    advice = (
-        f"{', '.join(objects)}: a MATLAB object, whose data are stored in a form that MATLAB does not document. For "
-        "a timeseries x, save plain arrays there: t = x.Time; y = x.Data; save('plain.mat','t','y'). For "
-        "logged Simulink signals: x = out.logsout.get('NAME').Values. Or let To Workspace blocks save 'Structure With "
-        "Time'"
-    )
     if not groups:
-        raise InputError(f"{path}: {advice}." if objects else f"{path}: a MAT-file without numeric signals in it.")
+        raise InputError(f"{path}: {objects}." if objects else f"{path}: a MAT-file without numeric signals in it.")
     words = ", ".join(dict.fromkeys(kinds))
     return SourceFile(
         path,
@@ -57,10 +54,43 @@ def read_matlab(path: Path) -> SourceFile:
         f"MAT-file, version {version}: {words}",
         _top_level_joined(groups),
         (
-            *((f"left out: {advice}",) if objects else ()),
+            *((f"left out: {objects}",) if objects else ()),
             *((f"left out: {', '.join(others)}",) if others else ()),
         ),
     )
+
+
+def _with_objects(path: Path, tree: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The tree with the objects in it, and why they could not be read; empty if they could."""
+    held = {name: node for name, node in tree.items() if any(one.of_class for _, one in _opaque("", node))}
+    if not held:
+        return tree, ""
+    try:
+        return tree | read_objects(path, held), ""
+    except Unreadable as error:
+        return tree, str(error)
+
+
+def _objects_left_out(objects: Sequence[tuple[str, Opaque]], fault: str) -> str:
+    """Objects that could not be read, why, and what to type in MATLAB; empty if there are none."""
+    if not objects:
+        return ""
+    named: dict[str, list[str]] = {}
+    for name, one in objects:
+        why = one.reason or fault or "no timeseries, timetable, table or Dataset"
+        named.setdefault(why, []).append(f"{name} ({one.kind})")
+    listed = "; ".join(f"{', '.join(names)}: {why}" for why, names in named.items())
+    lines = [line for kind, line in _PLAIN.items() if any(one.kind.startswith(kind) for _, one in objects)]
+    typed = "; ".join((*lines, "save('plain.mat','t','y')"))
+    return f"{listed}. To save plain arrays instead, type in MATLAB: {typed}"
+
+
+_PLAIN = {
+    "Simulink.": "for a logged signal, x = out.logsout.get('NAME').Values; t = x.Time; y = x.Data",
+    "timeseries": "for a timeseries x, t = x.Time; y = x.Data",
+    "timetable": "for a timetable x, t = seconds(x.Time - x.Time(1)); y = x.NAME",
+}
+"""What makes plain arrays of an object, by the beginning of its class."""
 
 
 def _opaque(name: str, node: Any) -> Iterator[tuple[str, Opaque]]:
@@ -91,18 +121,45 @@ def _groups(name: str, node: Any) -> Iterator[tuple[Group, str]]:
             if isinstance(value, np.ndarray):
                 for signal in _columns(full, value):
                     plain.setdefault(len(signal.values), []).append(signal)
-            else:
+            elif isinstance(value, Signal):
+                if len(value.values) >= FEWEST:
+                    plain.setdefault(len(value.values), []).append(value)
+            elif not isinstance(value, Series):
                 yield from _groups(full, value)
         for signals in plain.values():
             titles = unique_names([one.name for one in signals])
-            named = [Signal(title, one.values) for title, one in zip(titles, signals, strict=True)]
-            yield group_of(name, named), "variables"
+            yield group_of(name, [replace(one, name=to) for to, one in zip(titles, signals, strict=True)]), "variables"
+        yield from _by_stamps(name, [one for one in node.values() if isinstance(one, Series)])
     elif isinstance(node, list):
         for number, value in enumerate(node, start=1):
             if isinstance(value, dict | list):
                 yield from _groups(f"{name}({number})", value)
-            elif isinstance(value, np.ndarray):
+            elif isinstance(value, np.ndarray | Signal):
                 yield from _groups("", {f"{name}{{{number}}}": value})
+        yield from _by_stamps(name, [one for one in node if isinstance(one, Series)])
+
+
+def _by_stamps(name: str, series: Sequence[Series]) -> Iterator[tuple[Group, str]]:
+    """A group for all series that share their stamps; the names of their signals are of their own in all of them."""
+    titles = iter(unique_names([one.name for each in series for one in each.columns]))
+    made: list[tuple[Series, list[Signal]]] = []
+    for each in series:
+        signals = next((known for one, known in made if _same_stamps(one.time, each.time)), None)
+        if signals is None:
+            signals = []
+            made.append((each, signals))
+        signals += [replace(one, name=next(titles)) for one in each.columns]
+    for first, signals in made:
+        time = unique_names([*(one.name for one in signals), first.time.name])[-1]
+        yield group_of(name, [replace(first.time, name=time), *signals], time=time), first.kind
+
+
+def _same_stamps(one: Signal, other: Signal) -> bool:
+    """Whether stamps are equal but for rounding: some are stored one by one, and some as start and increment."""
+    if one.unit != other.unit or len(one.values) != len(other.values):
+        return False
+    step = float(np.ptp(one.values)) / len(one.values)
+    return bool(np.allclose(one.values, other.values, rtol=0.0, atol=ROUNDING * step, equal_nan=True))
 
 
 def _structure_with_time(name: str, node: dict[str, Any]) -> Group | None:
@@ -166,10 +223,10 @@ def _columns(name: str, values: Any) -> list[Signal]:
 
 
 def _top_level_joined(groups: Sequence[Group]) -> tuple[Group, ...]:
-    """Groups without a name are the variables of the workspace: those of one length belong together."""
-    named = [group for group in groups if group.name]
+    """Groups without a name and a time are plain variables of the workspace: those of one length belong together."""
+    own = [group for group in groups if group.name or group.time]
     plain: dict[int, list[Signal]] = {}
     for group in groups:
-        if not group.name:
+        if not (group.name or group.time):
             plain.setdefault(len(group.rows), []).extend(group.signals)
-    return (*(group_of("", signals) for signals in plain.values()), *named)
+    return (*(group_of("", signals) for signals in plain.values()), *own)

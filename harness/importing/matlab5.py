@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from harness.errors import INTERRUPTS, InputError
-from harness.importing.matlab_tree import Opaque
+from harness.importing.matlab_tree import DEEPEST, Opaque
 
 NAMELESS = "None"
 """Under which SciPy returns an object."""
-DEEPEST = 12  # structs within structs
 
 
 def read_tree(path: Path) -> dict[str, Any]:

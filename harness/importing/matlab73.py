@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from harness.errors import INTERRUPTS, InputError
-from harness.importing.matlab_tree import Opaque
+from harness.importing.matlab_tree import DEEPEST, Opaque
 
-DEEPEST = 12
 _NUMERIC = {"double", "single", "logical", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
 
 

@@ -26,6 +26,9 @@ UNITS: Mapping[Role, Mapping[str, float]] = {
         **dict.fromkeys(("micros", "microsecond", "microseconds", "mikrosekunden"), 1e-6),
         **dict.fromkeys(("nanosecond", "nanoseconds"), 1e-9),
         "minutes": 60.0,
+        "hours": 3600.0,
+        "days": 86400.0,
+        "weeks": 604800.0,
     },
     "angle": {
         **QUANTITIES["angle"].units,

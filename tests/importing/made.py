@@ -11,6 +11,7 @@ import pandas as pd
 import scipy.io as sio
 
 from analytic.motion import FloatArray
+from tests.importing import made_matlab as mat
 from tests.recording.simulated import simulated
 
 CRANK, LEVER = 0.05, 0.4  # of the linkage of `scope_struct` [m]
@@ -75,6 +76,26 @@ def version_73(path: Path) -> Path:
         text = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Mon Jan  1 00:00:00 2024 HDF5 schema 1.00 ."
         stream.write(text.ljust(116) + bytes(8) + b"\x00\x02IM")
     return path
+
+
+def logsout(path: Path) -> Path:
+    """What Simulink logs as a Dataset: angle in degrees with stamps, position in centimetres with an even time."""
+    time, angle, position = truth()
+    elements = [
+        mat.signal("beam angle", mat.timeseries(np.degrees(angle), time, unit="deg")),
+        mat.signal(
+            "", mat.timeseries(100.0 * position, uniform=(0.0, 0.01, len(time)), unit="cm"), "rig/Ball position"
+        ),
+    ]
+    out = mat.output(tout=time[:, None], logsout=mat.dataset(elements))
+    return mat.save(path, {"out": out}, "v7.3" if "73" in path.name else "v7", compressed=False)
+
+
+def timetable(path: Path) -> Path:
+    """A timetable in seconds, as scripts for data acquisition save it."""
+    time, angle, position = truth()
+    frame = pd.DataFrame({"angle_deg": np.degrees(angle), "x_mm": 1e3 * position}, pd.to_timedelta(time, unit="s"))
+    return mat.save(path, {"log": frame})
 
 
 def workbook(path: Path) -> Path:
@@ -198,6 +219,9 @@ FILES: Mapping[str, tuple[Callable[[Path], Path], tuple[str, ...]]] = {
     "scope.mat": (scope_struct, ("--linkage", f"r={CRANK},L={LEVER}")),
     "vectors.mat": (vectors, ()),
     "v73.mat": (version_73, ()),
+    "logsout.mat": (logsout, ()),
+    "log73.mat": (logsout, ()),
+    "timetable.mat": (timetable, ()),
     "book.xlsx": (workbook, ()),
     "log.parquet": (parquet, ()),
     "tek.csv": (tektronix, SCOPE_OPTIONS),

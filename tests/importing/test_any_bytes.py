@@ -21,7 +21,8 @@ CHOSEN = {
     "scope.mat": Options(linkage="r=0.05,L=0.4"),
     "free.txt": Options(angle="theta"),
 }
-NAMES = ("tek.csv", "rigol.csv", "log.lvm", "free.txt", "scope.mat", "v73.mat", "book.xlsx", "log.parquet")
+TEXTS = ("tek.csv", "rigol.csv", "log.lvm", "free.txt")
+BINARIES = ("scope.mat", "v73.mat", "logsout.mat", "log73.mat", "timetable.mat", "book.xlsx", "log.parquet")
 
 
 @lru_cache
@@ -39,7 +40,7 @@ def outcome(path: Path, options: Options) -> Understood | str:
         return str(error)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*TEXTS, *BINARIES])
 @given(edits=EDITS)
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_damaged_files(tmp_path: Path, name: str, edits: list[tuple[float, int, bytes]]) -> None:

@@ -51,6 +51,8 @@ def test_a_name_says_quantity_and_unit(name: str, kind: str | None, unit: str) -
         ("angle", "Grad", math.pi / 180),
         ("position", "inch", 0.0254),
         ("time", "µs", 1e-6),
+        ("time", "hours", 3600.0),
+        ("time", "weeks", 604800.0),
     ],
 )
 def test_units_have_factors(role: str, unit: str, factor: float) -> None:
