@@ -13,6 +13,7 @@ from matio.utils import MatlabOpaque, MatlabOpaqueArray
 
 from harness.errors import InputError
 from harness.importing import Group, read_file
+from harness.importing.matlab import read_matlab
 from tests.importing import made_matlab as mat
 
 # What mat-io says when it writes durations, and of pandas when it is loaded.
@@ -198,7 +199,7 @@ def test_objects_need_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "matio", None)
     path = mat.save(tmp_path / "a.mat", {"x": mat.timeseries(RAMP, TIME)})
     with pytest.raises(InputError, match=r"x \(timeseries\): .*pip install 'ball-beam-harness\[matlab\]'"):
-        read_file(path)
-    read = read_file(mat.save(tmp_path / "b.mat", {"x": mat.timeseries(RAMP, TIME), "t": TIME}))
+        read_matlab(path)
+    read = read_matlab(mat.save(tmp_path / "b.mat", {"x": mat.timeseries(RAMP, TIME), "t": TIME}))
     assert columns(read.groups[0]) == {"t": TIME.tolist()}
     assert "ball-beam-harness[matlab]" in read.notes[0]

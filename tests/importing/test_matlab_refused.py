@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -120,3 +121,17 @@ def test_a_file_without_the_data_of_its_objects(tmp_path: Path) -> None:
     content = path.read_bytes()
     path.write_bytes(content[:116] + bytes(8) + content[124:])
     assert "ball (timeseries): the data it refers to are missing or damaged" in refusal(path)
+
+
+@pytest.mark.parametrize("variable", [mat.timeseries(TIME, TIME), TIME[:, None]], ids=["object", "plain"])
+def test_a_type_that_does_not_exist(tmp_path: Path, variable: Any) -> None:
+    """Refuse a file on which the libraries that read it crash, and read the next one."""
+    path = mat.save(tmp_path / "a.mat", {"ball": variable}, compressed=False)
+    content = path.read_bytes()
+    doubles, size = 9, TIME.nbytes
+    tag = struct.pack("<II", doubles, size)
+    assert tag in content
+    path.write_bytes(content.replace(tag, struct.pack("<II", 0, size)))
+    assert "cannot be read as a MAT-file" in refusal(path)
+    path.write_bytes(content)
+    assert read_file(path).groups[0].signals[-1].values.tolist() == TIME.tolist()
