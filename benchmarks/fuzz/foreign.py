@@ -11,7 +11,7 @@ from benchmarks.fuzz import strange
 from benchmarks.fuzz.doors import seed
 
 TEXTS = ("scope.csv", "log.lvm", "free.txt")
-BINARIES = ("vectors.mat", "hdf5.mat", "log.parquet")
+BINARIES = ("vectors.mat", "hdf5.mat", "logsout.mat", "log.parquet")
 BOOK = "book.xlsx"
 _CELLS = (
     '<c r="XFD1048576"><v>1</v></c>',
