@@ -36,7 +36,7 @@ def read_apart(path: Path) -> SourceFile:
         assert process.stdin is not None
         assert process.stdout is not None
         try:
-            pickle.dump(path, process.stdin)
+            pickle.dump((os.getcwd(), path), process.stdin)  # messages name the path as it was given
             process.stdin.flush()
             outcome = pickle.load(process.stdout)
         except (EOFError, BrokenPipeError, pickle.UnpicklingError):
@@ -77,17 +77,18 @@ def _end() -> None:
 
 
 def serve() -> None:
-    """Read the files whose paths come on standard input, until it is closed; outcomes go to standard output."""
+    """Read the files whose folders and paths come on standard input, until it is closed; outcomes go to standard output."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal, which the other process handles
     outcomes = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no outcome
     while True:
         try:
-            path = pickle.load(sys.stdin.buffer)
+            folder, path = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
         outcome: SourceFile | Exception
         try:
+            os.chdir(folder)
             outcome = read_matlab(path)
         except Exception as error:  # raised again where it can be told
             outcome = error

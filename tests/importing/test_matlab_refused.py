@@ -135,3 +135,11 @@ def test_a_type_that_does_not_exist(tmp_path: Path, variable: Any) -> None:
     assert "cannot be read as a MAT-file" in refusal(path)
     path.write_bytes(content)
     assert read_file(path).groups[0].signals[-1].values.tolist() == TIME.tolist()
+
+
+def test_paths_are_those_of_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read a file by a path that is relative, wherever the one before was read from."""
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(mat.save(tmp_path / name / f"{name}.mat", {"t": TIME}).parent)
+        assert read_file(Path(f"{name}.mat")).path == Path(f"{name}.mat")
