@@ -117,21 +117,23 @@ class Ambiguity(InputError):
         choices: possible answers; none where the user has to write one.
         advice: what else can be given.
         role: quantity whose option is to be written where there are no choices; empty if it is not that simple.
+        also: further questions, which the message goes on with.
     """
 
-    def __init__(self, question: str, choices: tuple[Choice, ...], advice: str = "", role: str = "") -> None:
+    def __init__(
+        self, question: str, choices: tuple[Choice, ...], advice: str = "", role: str = "", also: str = ""
+    ) -> None:
         self.role = role
+        self.also = also
         self.question = question
         self.choices = choices
         self.advice = advice
         listed = ", or ".join(f"{one.typed} ({one.text})" for one in choices)
-        super().__init__(
-            f"{question} {'Give ' + listed + '.' if choices else ''}{' ' if choices and advice else ''}{advice}"
-        )
+        super().__init__(" ".join(filter(None, (question, f"Give {listed}." if choices else "", advice, also))))
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         """Its own arguments."""
-        return type(self), (self.question, self.choices, self.advice, self.role)
+        return type(self), (self.question, self.choices, self.advice, self.role, self.also)
 
 
 def parse_chosen(role: Role, text: str, names: tuple[str, ...]) -> Chosen:

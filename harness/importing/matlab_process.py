@@ -77,7 +77,7 @@ def _end() -> None:
 
 
 def serve() -> None:
-    """Read the files whose folders and paths come on standard input, until it is closed; outcomes go to standard output."""
+    """Read the files whose folders and paths come on standard input until it is closed, and write what they hold."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal, which the other process handles
     outcomes = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no outcome

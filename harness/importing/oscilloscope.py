@@ -31,6 +31,7 @@ class Preamble:
 
     Attributes:
         entries: text by key in lower case.
+        cells: all cells behind the key, likewise, such as those of several channels.
         increment: sampling interval [s]; `None` if it says none.
         increment_from: the key that says it.
         start: time of the first sample [s]; `None` if it says none.
@@ -38,6 +39,7 @@ class Preamble:
     """
 
     entries: Mapping[str, str]
+    cells: Mapping[str, Sequence[str]]
     increment: float | None
     increment_from: str
     start: float | None
@@ -67,12 +69,15 @@ def without_side_preamble(rows: Rows) -> tuple[Rows, tuple[list[str], ...]]:
 def preamble_of(rows: Sequence[Sequence[str]]) -> Preamble:
     """What rows above or beside the data say, as keys with values or as a row of keys above a row of values."""
     entries: dict[str, str] = {}
+    behind: dict[str, Sequence[str]] = {}
     for cells in rows:
         filled = [cell.strip() for cell in cells if cell.strip()]
         if len(filled) == 1 and re.search(r"[:=]", filled[0]):
             filled = [one.strip() for one in re.split(r"[:=]", filled[0], maxsplit=1)]
         if len(filled) >= 2:
-            entries.setdefault(filled[0].casefold().strip(' :"='), filled[1])
+            key = filled[0].casefold().strip(' :"=')
+            entries.setdefault(key, filled[1])
+            behind.setdefault(key, filled[1:])
     for above, below in itertools.pairwise(rows):  # Rigol: X,CH1,Start,Increment
         for name, value in zip(above, below, strict=False):
             if name.strip().casefold() in {*_STARTS, *_INTERVALS} and is_number(value.strip()):
@@ -83,7 +88,7 @@ def preamble_of(rows: Sequence[Sequence[str]]) -> Preamble:
         increment = 1.0 / rate if rate else None
     start, _ = _first(entries, _STARTS)
     words = " ".join(cell for cells in rows for cell in cells)
-    return Preamble(entries, increment if increment and increment > 0.0 else None, said, start, words)
+    return Preamble(entries, behind, increment if increment and increment > 0.0 else None, said, start, words)
 
 
 def instrument(preamble: Preamble, names: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ from harness.importing import labview
 from harness.importing.grid import Rows, Sheet, data_begins, divide, group_of_sheet, is_data
 from harness.importing.oscilloscope import Preamble, instrument, preamble_of, without_side_preamble
 from harness.importing.signals import Group, Signal, SourceFile
-from harness.importing.words import read_name
+from harness.importing.words import is_unit, read_name
 from harness.recording.source import read_source
 
 BLANKS = " "
@@ -106,6 +106,9 @@ def _named(sheet: Sheet, preamble: Preamble) -> Sheet:
         names[0] = "time"
     if read_name(names[0]).kind == "time" and preamble.text("horizontal units").casefold() in ("s", "second"):
         units[0] = units[0] or "s"
+    vertical = preamble.cells.get("vertical units", ())
+    if read_name(names[0]).kind == "time" and len(vertical) == len(names) - 1 and all(map(is_unit, vertical)):
+        units[1:] = [unit or written for unit, written in zip(units[1:], vertical, strict=True)]
     # Keysight numbers its channels: `x-axis,1,2`.
     if names[0] == "time":
         names = [f"CH{name}" if re.fullmatch(r"[1-8]", name) else name for name in names]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from harness.importing.choices import Ambiguity, Choice, Linkage, Options, parse
 from harness.importing.columns import Found, find
 from harness.importing.merge import on_common_rows
 from harness.importing.physics import Evidence, evidence_of
+from harness.importing.questions import Questions
 from harness.importing.signals import Group, SourceFile
 from harness.importing.times import Times, times_of
 from harness.importing.units import Scale, resolve, scale_of
@@ -86,16 +88,26 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     path = sources[0].path
     groups = _groups(sources)
     linkage = None if options.linkage is None else parse_linkage(options.linkage)
-    angle_at = find(path, "angle", groups, options)
+    questions = Questions(path)
+    angle_at = questions.answer(lambda: find(path, "angle", groups, options))
+    taken = None if angle_at is None else angle_at.signal
+    position_at = questions.answer(lambda: find(path, "position", groups, options, taken=taken))
+    timed = angle_at or position_at
+    group = timed.group if timed is not None else groups[0]
+    times = questions.answer(lambda: times_of(path, group, groups, options))
+    found: dict[Role, Found | None] = {"angle": angle_at, "position": position_at}
+    written = {
+        role: questions.answer(partial(scale_of, path, role, one)) for role, one in found.items() if one is not None
+    }
+    questions.settle()
     assert angle_at is not None  # only a position may be missing
-    position_at = find(path, "position", groups, options, taken=angle_at.signal)
+    assert times is not None
     if position_at is not None and position_at.signal is angle_at.signal:
         raise InputError(f"{path}: '{angle_at.name}' is given as angle and as position. Choose two columns.")
     notes = [note for one in sources for note in one.notes]
-    times = times_of(path, angle_at.group, groups, options)
     together = position_at is None or position_at.group is angle_at.group
     position_times = times if together or position_at is None else times_of(path, position_at.group, groups, options)
-    scales = _scales(path, times, position_times, angle_at, position_at, linkage, options)
+    scales = _scales(path, times, position_times, angle_at, position_at, written, linkage, options)
     rows, time, angle = _column(path, times, scales["time"], angle_at, scales["angle"], notes)
     read_angle = angle
     interpolated = False
@@ -167,18 +179,18 @@ def _scales(
     position_times: Times,
     angle_at: Found,
     position_at: Found | None,
+    written: Mapping[Role, Scale | None],
     linkage: Linkage | None,
     options: Options,
 ) -> dict[Role, Scale]:
-    """Units of time, angle and position, from the file or from the data."""
+    """Units of time, angle and position, as written or from the data."""
     known: dict[Role, Scale | None] = {
         "time": None if times.factor is None else Scale(times.unit, times.factor, times.unit_from),
-        "angle": scale_of(path, "angle", angle_at),
+        **written,
     }
     values: dict[Role, FloatArray] = {"time": times.values, "angle": angle_at.signal.values}
     names: dict[Role, str] = {"time": times.name, "angle": angle_at.name}
     if position_at is not None:
-        known["position"] = scale_of(path, "position", position_at)
         values["position"], names["position"] = position_at.signal.values, position_at.name
     if all(known.values()):
         return {role: scale for role, scale in known.items() if scale is not None}

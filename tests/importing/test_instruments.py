@@ -52,3 +52,9 @@ def test_a_start_that_counts_samples(tmp_path: Path) -> None:
     (group,) = read_file(made.rigol(tmp_path / "a.csv")).groups
     assert (group.step, group.start) == (0.01, -6.0)
     assert [one.name for one in group.signals] == ["CH1", "CH2"]
+
+
+def test_units_of_several_channels_in_a_preamble(tmp_path: Path) -> None:
+    """Take the units that Tektronix writes above the names, one a channel."""
+    (group,) = read_file(made.tektronix(tmp_path / "a.csv")).groups
+    assert [(one.name, one.unit) for one in group.signals] == [("TIME", "s"), ("CH1", "V"), ("CH2", "V")]

@@ -118,6 +118,19 @@ def test_two_columns_of_one_name_are_asked_about() -> None:
     agrees(understand([file], Options(position=chosen.options["position"])))
 
 
+def test_what_is_unclear_is_asked_together() -> None:
+    """Ask for both columns, the time and the unit of a chosen column in one message, and for one of them at a time."""
+    time, angle, position = made.truth()
+    file = source(("CH1", angle), ("CH2", position), ("CH3", time))
+    with pytest.raises(
+        Ambiguity, match=r"the beam's angle.*Besides, no .*ball's position.*Besides, .*--rate"
+    ) as caught:
+        understand([file], Options())
+    assert [one.typed for one in caught.value.choices] == ["--angle 'CH1'", "--angle 'CH2'", "--angle 'CH3'"]
+    with pytest.raises(Ambiguity, match=r"ball's position.*Besides, 'CH1' is an input of an oscilloscope, in V"):
+        understand([file], Options(time="CH3:s", angle="CH1"))
+
+
 def test_a_recording_without_positions() -> None:
     """Import an angle alone if the user says so."""
     time, angle, _ = made.truth()
