@@ -13,12 +13,14 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from harness.errors import InputError
 from harness.importing.matlab import read_matlab
 from harness.importing.signals import SourceFile
 
+LONGEST = 600.0  # for one file [s]: a damaged one may announce any number of values
 _SERVE = f"from {__name__} import serve; serve()"
 _HOME = Path(__file__).parents[2]
 _one_at_a_time = threading.Lock()
@@ -29,24 +31,30 @@ def read_apart(path: Path) -> SourceFile:
     """What `read_matlab` returns or raises.
 
     Raises:
-        InputError: also if reading crashes.
+        InputError: also if reading crashes or does not end.
     """
+    folder = os.getcwd()
     with _one_at_a_time:
         process = _process()
         assert process.stdin is not None
         assert process.stdout is not None
+        alarm = threading.Timer(LONGEST, process.kill)
+        alarm.start()
         try:
-            pickle.dump((os.getcwd(), path), process.stdin)  # messages name the path as it was given
+            pickle.dump((folder, path), process.stdin)  # messages name the path as it was given
             process.stdin.flush()
             outcome = pickle.load(process.stdout)
-        except (EOFError, BrokenPipeError, pickle.UnpicklingError):
+        except (EOFError, OSError, pickle.UnpicklingError):
             _end()
             raise InputError(
-                f"{path}: cannot be read as a MAT-file (its reader crashed). Save it again from MATLAB."
+                f"{path}: cannot be read as a MAT-file (its reader crashed, or took more than {LONGEST:g} s). Save it "
+                "again from MATLAB."
             ) from None
         except BaseException:  # an interrupt, which leaves the process in the midst of a file
             _end()
             raise
+        finally:
+            alarm.cancel()
     if isinstance(outcome, Exception):
         raise outcome
     return outcome
@@ -71,7 +79,8 @@ def _process() -> subprocess.Popen[bytes]:
 def _end() -> None:
     global _started
     if _started is not None and _started[0] == os.getpid():
-        with _started[1] as process:  # closes its pipes and waits for it
+        # Its pipes are closed and its end awaited; what was not yet sent is lost with it.
+        with suppress(OSError), _started[1] as process:
             process.kill()
     _started = None
 

@@ -13,7 +13,7 @@ from matio.utils import MatlabOpaque
 
 from harness.api.importing import import_recording
 from harness.errors import InputError
-from harness.importing import read_file
+from harness.importing import matlab_process, read_file
 from tests.importing import made
 from tests.importing import made_matlab as mat
 
@@ -135,6 +135,16 @@ def test_a_type_that_does_not_exist(tmp_path: Path, variable: Any) -> None:
     assert "cannot be read as a MAT-file" in refusal(path)
     path.write_bytes(content)
     assert read_file(path).groups[0].signals[-1].values.tolist() == TIME.tolist()
+
+
+def test_reading_that_does_not_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give up a file that takes too long, and read it where there is time."""
+    path = mat.save(tmp_path / "a.mat", {"t": TIME})
+    with monkeypatch.context() as patch:
+        patch.setattr(matlab_process, "_started", None)  # a process that has yet to start takes longer than that
+        patch.setattr(matlab_process, "LONGEST", 0.0)
+        assert "or took more than 0 s" in refusal(path)
+    assert read_file(path).groups[0].signals[0].name == "t"
 
 
 def test_paths_are_those_of_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
