@@ -213,6 +213,8 @@ def _damped_step(
     slopes = point.slopes * weight[:, None]
     columns = np.column_stack((point.residual, _jacobian(runs, hypothesis, point, width))) * weight[:, None]
     projected, _ = runs.project(slopes, columns)
+    if not np.all(np.isfinite(projected)):  # beside this point a ball leaves every bound: no way is known from here
+        return None, damping
     before = _objective(hypothesis, runs, point.theta, point.residual, scale)
     while damping < _MOST_DAMPING:
         ridge = np.sqrt(damping) * np.diag(np.linalg.norm(projected[:, 1:], axis=0) + 1e-9)
@@ -263,11 +265,13 @@ def _jacobian(runs: FreeRuns, hypothesis: Hypothesis, point: _Point, width: floa
 
 
 def _covariance(runs: FreeRuns, hypothesis: Hypothesis, point: _Point) -> FloatArray:
-    """Sandwich covariance of the parameters in their units, shape (k, k)."""
+    """Sandwich covariance of the parameters in their units, shape (k, k); infinite where free runs beside them are."""
     count = runs.windows
     weight = _weights(point.residual, _scale(point.residual))
     columns = np.column_stack((point.residual, _jacobian(runs, hypothesis, point, _NARROW))) * weight[:, None]
     projected, _ = runs.project(point.slopes * weight[:, None], columns)
+    if not np.all(np.isfinite(projected)):
+        return np.diag(np.full(len(point.theta), np.inf))
     residual, jacobian = projected[:, 0], projected[:, 1:]
     scores = runs.sums(jacobian * residual[:, None])
     bread = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)

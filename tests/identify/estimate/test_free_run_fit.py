@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.identify.estimate import free_run_fit
 from harness.identify.estimate.cross_validation import cross_validated, widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.refit import refit
 from harness.identify.estimate.window_errors import normalised_errors
+from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import blocks_of, fitted_windows, windows_of
@@ -68,6 +70,17 @@ def test_one_window_gone_wrong_does_not_decide(pair: Problem) -> None:
     found = fit_free_runs(spoilt, PAIR, fitted_windows(spoilt.recordings)).fit
     for key, true in zip(KEYS, TRUE, strict=True):
         assert found.values()[key] == pytest.approx(true, rel=0.1)
+
+
+def test_a_fit_ends_where_the_runs_beside_it_are_no_numbers(pair: Problem) -> None:
+    """Take no step, and claim to know nothing of the parameters, where free runs beside the point leave all bounds."""
+    runs, hypothesis = FreeRuns(pair, fitted_windows(pair.recordings)), Hypothesis(("rolling_resistance",))
+    point = free_run_fit._settled(runs, hypothesis, np.array([0.5]), runs.first_starts())
+    lost = replace(point, slopes=np.where(np.arange(len(point.slopes))[:, None] == 3, np.nan, point.slopes))
+    step, _ = free_run_fit._damped_step(runs, hypothesis, lost, 0.05, 1e-3, 1e-3)
+    assert step is None
+    assert free_run_fit._damped_step(runs, hypothesis, point, 0.05, 1e-3, 1e-3)[0] is not None
+    assert free_run_fit._covariance(runs, hypothesis, lost) == np.inf
 
 
 def test_held_out_blocks_are_predicted_better_with_what_acts(pair: Problem) -> None:
