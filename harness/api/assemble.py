@@ -31,6 +31,7 @@ from harness.identify.record import (
     SourcesRecord,
     UnlistedRecord,
 )
+from harness.identify.rig_completion import contradicted
 from harness.identify.selection.ledger_record import ledger_record
 from harness.identify.validation.baseline_comparison import BASELINES, BaselineComparison
 from harness.identify.validation.engine_errors import entries
@@ -86,7 +87,11 @@ def diagnosis_record(
         ),
         next_experiment=None if found.next_experiment is None else _next_experiment(found.next_experiment),
         failures=failure_records(found.failures),
-        findings=tuple(FindingRecord.model_validate(one) for one in findings_of(case, further)),
+        findings=tuple(
+            FindingRecord.model_validate(one)
+            for one in (*findings_of(case, further), contradicted(case.rig, found.problem.rig))
+            if one is not None
+        ),
         wall_time_s=round(wall_time, 2),
     )
 

@@ -17,11 +17,13 @@ from harness.identify.problem.problem import Problem
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import MIN_POSITIONS, observe
 from harness.recording import Case, KnownRig, Recording
+from harness.recording.findings import DataFinding
 
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
 _RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
 # Standard errors. Three rather than two: the other reading, a ball whose mass is concentrated at its centre, is rare.
 _FLAT_WITHIN = 3.0
+_SAME = 1e-9  # relative difference of a value that was left as it is
 _LABELS = {"mass": ("mass m", "kg"), "radius": ("ball radius R", "m"), "gravity": ("gravity g", "m/s²")}
 
 
@@ -167,6 +169,39 @@ def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> t
         else "from K, contrary to the rig file: no r is possible with the declared value"
     )
     return rig.with_(inertia=inertia), _assumed("inertia J", inertia, "kg m²", why)
+
+
+def contradicted(known: KnownRig, rig: Rig) -> DataFinding | None:
+    """A warning where a completed rig has another inertia or gravity than the rig file, as none of that one rolls so.
+
+    Args:
+        known: what the rig file says.
+        rig: the same, completed by `rig_of_ratio`.
+    """
+    again = (
+        "If the recorded angle is that of a crank or motor, or its unit is another one, give its gain or the linkage"
+    )
+    advice = f"{again} when importing (docs/import.md)"
+    ratio = rig.rolling_ratio
+    if known.gravity is not None and not math.isclose(known.gravity, rig.gravity, rel_tol=_SAME):
+        shown = ratio * rig.gravity / known.gravity
+        text = (
+            f"the ball accelerates {shown:.2g} times as much as a mass that slides without friction would, and no ball "
+        )
+        text += f"that rolls does: {rig.gravity:.3g} m/s² stands for gravity. {advice}."
+    elif known.inertia is not None and not math.isclose(known.inertia, rig.inertia, rel_tol=_SAME):
+        given = [rig.with_(inertia=known.inertia, rolling_radius=share * rig.radius) for share in _RADIUS_RATIO_RANGE]
+        least, most = sorted(one.rolling_ratio for one in given)
+        text = (
+            f"the recordings show a rolling ratio K of {ratio:.2g}, but a ball of the given inertia has {least:.2g} to "
+        )
+        text += (
+            f"{most:.2g} on any track: {rig.inertia:.2g} kg m² stands for the inertia. {advice}; a ball in water has a "
+        )
+        text += "smaller K, too."
+    else:
+        return None
+    return DataFinding("warning", "rig.toml", text, "rig-contradicted")
 
 
 def _assumed(name: str, value: float, unit: str, why: str) -> Estimate:

@@ -10,7 +10,7 @@ from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of
-from harness.identify.rig_completion import missing, rig_of_ratio, rough_rig
+from harness.identify.rig_completion import contradicted, missing, rig_of_ratio, rough_rig
 from harness.recording import KnownRig
 from tests.motions import Sines
 
@@ -40,6 +40,22 @@ def test_completed_rig_accelerates_with_the_estimated_ratio(known: KnownRig, rat
         value = getattr(known, name)
         if value is not None and name != touched[chosen]:
             assert getattr(rig, name) == value
+
+
+def test_a_given_value_that_no_ball_rolls_with_is_told() -> None:
+    """Say which value stands for the given one, what was to be expected, and what may be wrong; else nothing."""
+    ball = KnownRig(gravity=9.81, mass=0.0028, radius=0.02, inertia=2.0 / 3.0 * 0.0028 * 0.02**2)
+    slow = contradicted(ball, rig_of_ratio(ball, rough_rig(ball), 0.086)[0])
+    assert slow is not None
+    assert slow.code == "rig-contradicted"
+    # K = 1/(1 + J/(m r²)) with J = 2/3 m R²: 1/(1 + 2/3) = 0.6 for r = R, 1/(1 + 2/(3 · 0.09)) = 0.12 for r = 0.3 R
+    assert "K of 0.086, but a ball of the given inertia has 0.12 to 0.6 on any track" in slow.text
+    assert "crank" in slow.text
+    fast = contradicted(ball, rig_of_ratio(ball, rough_rig(ball), 1.2)[0])
+    assert fast is not None
+    assert "1.2 times as much as a mass that slides without friction" in fast.text
+    assert contradicted(ball, rig_of_ratio(ball, rough_rig(ball), 0.4)[0]) is None
+    assert contradicted(KnownRig(gravity=9.81), rig_of_ratio(KnownRig(), rough_rig(KnownRig()), 0.9)[0]) is None
 
 
 @pytest.mark.parametrize("share", [0.999, 0.99999, 1.0])
