@@ -147,11 +147,25 @@ class Signature:
     def change(self, at: int, size: float, phase: float = 0.0) -> FloatArray:
         """Change of the residuals at a process noise of this number, shape (readings,)."""
         reference = self.reference
-        residuals = reference.of(self.hypothesis, float(reference.process_noises[at]))
-        change = residuals.at(self._theta(size, phase)) - reference.residuals[at]
+        change = self._residuals(at, size, phase) - self._without[at]
         basis = reference.nuisance[at]
         made: FloatArray = change - basis @ (basis.T @ change)
         return made
+
+    def _residuals(self, at: int, size: float, phase: float = 0.0) -> FloatArray:
+        return self.reference.of(self.hypothesis, float(self.reference.process_noises[at])).at(self._theta(size, phase))
+
+    @cached_property
+    def _without(self) -> list[FloatArray]:
+        """Residuals without the effect, at each process noise, shape (readings,) each.
+
+        A law that acts less the larger its parameter changes how the filter takes its steps however little it acts: it
+        is held against itself at the upper bound.
+        """
+        if not self.inverse:
+            return self.reference.residuals
+        least = self.main.typical / self.main.high
+        return [self._residuals(at, least) for at in range(len(self.reference.process_noises))]
 
     def squares(self, size: float) -> FloatArray:
         """Sum of squares of the change, at each process noise; where φ₀ matters its mean over two."""
