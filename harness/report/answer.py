@@ -161,8 +161,9 @@ def _uncertainty(facts: Facts) -> str:
     floor = f"the uncertainty of angle, start and sensor ({_mm(facts.u_val)} RMS)"
     ratio = number(facts.over_uncertainty, 2)
     if facts.over_uncertainty <= COVERAGE:
+        times = "twice " if facts.over_uncertainty > 1.0 else ""
         return (
-            f"Its error is within {floor}: E/u_val is {ratio}, and about 1 for a perfect model, so runs of this "
+            f"Its error is within {times}{floor}: E/u_val is {ratio}, and about 1 for a perfect model, so runs of this "
             "length are no evidence against it; a finer angle sensor or shorter windows would be more informative."
         )
     known = f" beyond the declared {_list(facts.declared)}" if facts.declared else ""

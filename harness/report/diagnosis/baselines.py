@@ -75,7 +75,7 @@ def _table(compared: BaselineComparison) -> Table:
         row = (TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
         rows.append(Row(row, "best" if name == min(compared.errors, key=compared.rms) else ""))
     columns = [
-        *texts("model"), "RMS error", "median of blocks", "improvement with the effects found", "95 % interval",
+        *texts("model"), "RMS error", "median of blocks", "improvement by the model", "95 % interval",
         "blocks with smaller error",
     ]  # fmt: skip
     return Table("Held-out predictions", columns, rows)
