@@ -1,5 +1,6 @@
 """One recording: validated arrays read from one CSV file."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.recording.bunches import evened
 from harness.recording.columns import QUANTITIES, QuantityName, find_columns
 from harness.recording.findings import DataFinding, place, rows_text
+from harness.recording.held import repeats
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
 from harness.recording.plausibility import STANDARD_GRAVITY, Signals, implausible
@@ -111,7 +113,9 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     aside = set_aside(time, angle, position, outlier, rows, resolution=resolution, acceleration=fastest)
     findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
     if "position" in columns:
-        findings += _position_findings(path, columns["position"].header, position, outlier, rows)
+        header, read = columns["position"].header, np.isfinite(position) & ~aside.mask
+        findings += _position_findings(path, header, position, outlier, rows)
+        findings += _held_findings(path, header, time, position[read], resolution)
     for one in aside.faults:
         where = place(path.name, column=columns[one.channel].header)
         findings.append(DataFinding("warning", where, one.text, one.code))
@@ -140,6 +144,20 @@ def _angle_findings(
         "are used unchanged to drive the models; leave these cells blank to have them interpolated."
     )
     return [DataFinding("warning", place(path.name, column=column), text, "angle-outliers")]
+
+
+def _held_findings(
+    path: Path, column: str, time: FloatArray, position: FloatArray, resolution: float
+) -> Iterator[DataFinding]:
+    held = repeats(position, resolution=resolution)
+    if held:
+        interval = float(time[-1] - time[0]) / (len(position) - held)
+        text = (
+            f"{held} of {len(position)} positions repeat the one before, until the next differs by more than the "
+            f"sensor's step: it has a new one about every {interval:.2g} s. They are late by half of that on average, "
+            "which is found as a delay; record each position once, when it is measured."
+        )
+        yield DataFinding("note", place(path.name, column=column), text, "held-position")
 
 
 def _position_findings(
