@@ -1,4 +1,4 @@
-"""Prints the table of validated accuracy when tests that establish it have run."""
+"""What all tests share; prints the table of validated accuracy when tests that establish it have run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.posed import Posed, pose
+from tests.required import pytest_make_collect_report, pytest_runtest_makereport
 from tests.shared_data import SHARED
+
+__all__ = ["pytest_make_collect_report", "pytest_runtest_makereport"]  # hooks, which pytest finds here by name
 
 Establish = Callable[..., None]
 _KEY = "accuracy"
