@@ -111,8 +111,9 @@ schema: $(INSTALLED) ## write the JSON Schema of diagnosis.json anew
 	$(BIN)/python -m harness.identify.record
 
 .PHONY: docs
-docs: $(INSTALLED) ## write docs/api.md from the docstrings and build the site: build/site/index.html
+docs: $(INSTALLED) ## write docs/api.md from the docstrings, execute the notebooks, build the site: build/site/index.html
 	$(BIN)/python docs/make_api.py
+	$(BIN)/python docs/run_notebooks.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "$(CURDIR)/build/site/index.html"
 

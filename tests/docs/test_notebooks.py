@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
 from pathlib import Path
 
 import pytest
 
-nbclient = pytest.importorskip("nbclient")
+from tests.docs.building import built
+from tests.report import browser
+
 nbformat = pytest.importorskip("nbformat")
+pytest.importorskip("nbclient")
 pytest.importorskip("ipykernel")
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
-LONGEST_CELL = 300  # [s]; the longest takes half a minute on two idle cores
 LARGEST_FILE = 30_000  # bytes
 
 
@@ -61,19 +64,15 @@ def test_links_lead_somewhere(path: Path) -> None:
 
 @pytest.mark.slow
 def test_it_runs_and_its_claims_hold(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run every cell in an empty folder, with assertions on what the text says, and show results as pictures."""
+    """Run every cell in an empty folder, with assertions on what the text says; its page shows pictures and tables."""
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))  # the user's own start-up files stay out
-    notebook = nbformat.read(path, as_version=4)
-    assert (
-        sum(line.startswith(("assert ", "    assert ")) for cell in code(notebook) for line in cell.source.split("\n"))
-        > 4
-    )
-    work = tmp_path / "work"
+    given = code(nbformat.read(path, as_version=4))
+    asserted = [line for cell in given for line in cell.source.split("\n") if line.strip().startswith("assert ")]
+    assert len(asserted) > 4
+    work, executed = tmp_path / "work", tmp_path / "executed"
     work.mkdir()
-    client = nbclient.NotebookClient(
-        notebook, timeout=LONGEST_CELL, kernel_name="python3", resources={"metadata": {"path": str(work)}}
-    )
-    client.execute()
+    executed.mkdir()
+    notebook = runpy.run_path(str(DOCS / "run_notebooks.py"))["executed"](path, work)
     outputs = [one for cell in code(notebook) for one in cell.outputs]
     assert not [one.text for one in outputs if one.get("name") == "stderr"]
     shown = [one.data["text/html"] for one in outputs if "harness-summary" in one.get("data", {}).get("text/html", "")]
@@ -81,3 +80,23 @@ def test_it_runs_and_its_claims_hold(path: Path, tmp_path: Path, monkeypatch: py
     assert all("data:image/png;base64," in html for html in shown)
     assert list(work.iterdir()) == []  # nothing is written where nobody asked
     assert len(json.dumps(notebook)) < 2_000_000
+    nbformat.write(notebook, executed / path.name)
+    seen(built(tmp_path / "site", executed) / "notebooks" / f"{path.stem}.html", len(shown))
+
+
+def seen(page: Path, results: int) -> None:
+    """See each result on a page of the site with its picture, all tables, and nothing beside the page."""
+    with browser.chromium() as driver:
+        browser.resize(driver, 1000)
+        driver.get(page.as_uri())
+        browser.settle(driver)
+        sizes = driver.execute_script(
+            "return [...document.querySelectorAll('article .harness-summary img')].map((one) => "
+            "one.complete && one.naturalWidth > 300 && one.getBoundingClientRect().width > 300)"
+        )
+        assert len(sizes) >= results
+        assert all(sizes)
+        tables = driver.find_elements("css selector", "article .harness-summary table")
+        assert len(tables) >= results
+        assert all(table.is_displayed() for table in tables)
+        assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth")

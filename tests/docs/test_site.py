@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import re
 import runpy
-import subprocess
-import sys
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,29 +12,57 @@ from typing import Any
 import pytest
 
 from harness.cli.main import main
+from tests.docs.building import build, built
+from tests.docs.pages import ROOT
 from tests.report import browser
 
-ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built as `make docs` builds it: a broken link or anchor is an error."""
-    folder = tmp_path_factory.mktemp("site")
-    environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
-    assert done.returncode == 0, done.stderr
-    return folder
+    """The site with notebooks that were not executed."""
+    return built(tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("executed"))
 
 
 def test_every_page_is_in_the_navigation(site: Path) -> None:
-    """Build a page of each document, and list each of them."""
+    """Build a page of each document and each notebook, and list each of them."""
     listed = re.findall(r"[\w/]+\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("nav:")[1])
-    there = {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md") if "_template" not in path.name}
-    assert sorted(listed) == sorted(there)
+    pages = [path for path in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb")) if "_template" not in path.name]
+    assert sorted(listed) == sorted(str(path.relative_to(DOCS).with_suffix(".md")) for path in pages)
     assert all((site / name.replace(".md", ".html")).is_file() for name in listed)
+
+
+def test_links_to_a_notebook_lead_to_its_page(site: Path) -> None:
+    """Lead from the table of notebooks to pages, from notebook to notebook and page, and from each page to the file."""
+    links = {path.stem: hrefs(path) for path in (site / "notebooks.html", *(site / "notebooks").glob("*.html"))}
+    names = {path.stem for path in (DOCS / "notebooks").glob("*.ipynb")}
+    assert set(links) == {"notebooks", *names}
+    assert {f"notebooks/{name}.html" for name in names} <= links["notebooks"]
+    assert "measured_recording.html" in links["first_comparison"]
+    assert {"../diagnosis.html#user-defined-effects", "../examples/magnet.py"} <= links["own_effect_and_engine"]
+    for name in names:
+        assert {link for link in links[name] if ".ipynb" in link} == {f"{name}.ipynb"}
+        assert (site / "notebooks" / f"{name}.ipynb").is_file()
+
+
+def hrefs(page: Path) -> set[str]:
+    """Where the text of a page links to."""
+    text = page.read_text(encoding="utf-8").split("<article", 1)[1].split("</article>", 1)[0]
+    return set(re.findall(r'href="?([^"\s>]+)', text))
+
+
+def test_a_broken_link_of_a_notebook_is_an_error(tmp_path: Path) -> None:
+    """Check links and headings in notebooks as in pages: the site is not built."""
+    shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
+    notebook = tmp_path / "docs" / "notebooks" / "own_effect_and_engine.ipynb"
+    text = notebook.read_text(encoding="utf-8")
+    assert "#user-defined-effects" in text
+    notebook.write_text(text.replace("#user-defined-effects", "#no-such-heading"), encoding="utf-8")
+    done = build(tmp_path / "site", tmp_path, root=tmp_path)
+    assert done.returncode != 0
+    assert "no-such-heading" in done.stderr
 
 
 def test_no_page_asks_another_machine(site: Path) -> None:
