@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import os
 import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,6 +24,7 @@ from PIL import Image
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 FOLDER = HERE / "gallery"
+ANSWERS = FOLDER / "answers.json"  # what the commands said, by entry: the numbers of the page and of README
 WORK = ROOT / "build" / "gallery"
 CASES = ROOT / "harness" / "data"
 WIDTH, HEIGHT = 1100, 1000  # of a picture, the height at most [px]
@@ -40,6 +43,7 @@ class Entry:
         data: `simulated` or `measured`, and of what.
         seen: what one sees.
         commands: that make the page.
+        said: beginnings of the lines printed by the last command that the page quotes.
         page: below the folder in which the commands run.
         at: CSS selector of what the picture begins with; empty for the top of the page.
         to: of what it ends with.
@@ -50,6 +54,7 @@ class Entry:
     data: str
     seen: str
     commands: tuple[str, ...]
+    said: tuple[str, ...]
     page: str
     at: str = ""
     to: str = "main figure"
@@ -64,6 +69,7 @@ ENTRIES = (
         "that a perfect model would have (grey). Every source leaves the recording: they lack physics, and the "
         "engines are not to blame, as they agree with the paper's model.",
         ("harness run paper_protocol --out comparison",),
+        ("No source follows", "MuJoCo and PyBullet agree"),
         "comparison/report.html",
     ),
     Entry(
@@ -71,12 +77,12 @@ ENTRIES = (
         "What does the model lack? With a known truth",
         "Simulated data: a virtual rig with a rolling resistance of 0.004 and a level error of 4 mrad hidden in it.",
         "Both hidden effects are named, with their sizes. From the angle and the first two seconds (shaded), the "
-        "model with the effects found (orange) predicts the rest to a few millimetres; the declared model (blue) "
-        "leaves the picture.",
+        "model with the effects found (orange) predicts the rest; the declared model (blue) leaves the picture.",
         (
             "harness simulate --out virtual --hide rolling_resistance.coefficient=0.004 --hide level_error.angle=0.004",
             "harness diagnose virtual --out diagnosis_simulated",
         ),
+        ("A level error", "A rolling resistance"),
         "diagnosis_simulated/diagnosis.html",
     ),
     Entry(
@@ -88,6 +94,7 @@ ENTRIES = (
         "the declared model in blue). The wide grey band is what the model with these effects expects itself to "
         "err in so long a prediction. What the effects stand for was never measured.",
         ("harness diagnose open_ball_beam --out diagnosis_measured",),
+        ("A rolling resistance",),
         "diagnosis_measured/diagnosis.html",
     ),
     Entry(
@@ -95,9 +102,9 @@ ENTRIES = (
         "How small a step, which friction?",
         "Simulated data: the bundled recording of a virtual rig.",
         "Error against computing time of both engines at three time steps. Against the paper's model (above) "
-        "smaller steps pay; against the recording (below) they change nothing, as missing physics outweighs them "
-        "thousands of times.",
+        "smaller steps pay; against the recording (below) they change nothing, as missing physics outweighs them.",
         ("harness sweep sweep.toml --out sweep",),
+        ("MuJoCo: ", "PyBullet: "),
         "sweep/sweep.html",
         "#work-precision",
         "#work-precision table",
@@ -109,6 +116,7 @@ ENTRIES = (
         "A comparison as the last expression of a cell: answer, picture and table without a further call. This is "
         "the first of three [notebooks](notebooks.md).",
         ("jupyter nbconvert --to html --execute first_comparison.ipynb",),
+        (),
         "first_comparison.html",
         '[id="cell-id=first-03"]',
         '[id="cell-id=first-03"] table',
@@ -118,18 +126,32 @@ ENTRIES = (
 HEAD = """# Gallery
 
 What the commands write, as a browser shows it. Every page is one file that opens offline; its plots zoom, and a click
-switches sources on and off ([reports.md](reports.md)). `make gallery` runs the commands, takes the pictures anew and
-writes this page.
+switches sources on and off ([reports.md](reports.md)). What a command says is quoted below its picture. `make gallery`
+runs the commands, takes the pictures anew and writes this page.
 """
 
 
-def text() -> str:
-    """The page."""
+def quoted(one: Entry, output: str) -> list[str]:
+    """The lines of an output that the page quotes.
+
+    Raises:
+        ValueError: there is none, so that the words of the page are no longer true.
+    """
+    lines = [line for line in output.splitlines() if one.said and line.startswith(one.said)]
+    if one.said and not lines:
+        raise ValueError(f"{one.name}: no line begins with {' or '.join(one.said)}; change its words")
+    return lines
+
+
+def text(answers: Mapping[str, Sequence[str]]) -> str:
+    """The page, with what the commands said."""
     parts = [HEAD]
     for one in ENTRIES:
         commands = "\n".join(one.commands)
         picture = f"![{one.title}](gallery/{one.name}.png)"
-        parts.append(f"## {one.title}\n\n{picture}\n\n**{one.data}** {one.seen}\n\n```sh\n{commands}\n```\n")
+        said = "\n>\n".join(f"> {line}" for line in answers[one.name])
+        words = f"**{one.data}** {one.seen}\n" + (f"\n{said}\n" if said else "")
+        parts.append(f"## {one.title}\n\n{picture}\n\n{words}\n```sh\n{commands}\n```\n")
     return "\n".join(parts)
 
 
@@ -146,6 +168,7 @@ def main() -> int:
         shutil.copytree(CASES / name, WORK / name)
     shutil.copy(HERE / "examples" / "sweep.toml", WORK)
     shutil.copy(HERE / "notebooks" / "first_comparison.ipynb", WORK)
+    answers = {}
     for one in ENTRIES:
         for command in one.commands:
             print(command, flush=True)
@@ -160,6 +183,7 @@ def main() -> int:
             if done.returncode:
                 print(f"{command}: exit code {done.returncode}\n{done.stderr}", file=sys.stderr)
                 return 3
+        answers[one.name] = quoted(one, done.stdout)
     pictures = _pictures()
     for name, content in pictures.items():
         if len(content) > LARGEST:
@@ -169,7 +193,8 @@ def main() -> int:
     for name, content in pictures.items():
         (FOLDER / name).write_bytes(content)
         print(f"{FOLDER / name}: {len(content) / 1e3:.0f} kB")
-    (HERE / "gallery.md").write_text(text(), encoding="utf-8")
+    ANSWERS.write_text(json.dumps(answers, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    (HERE / "gallery.md").write_text(text(answers), encoding="utf-8")
     return 0
 
 

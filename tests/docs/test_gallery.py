@@ -1,11 +1,11 @@
-"""The gallery: its page is that of its code, its pictures are small, and README shows them."""
+"""The gallery: its page is that of its code and results, its pictures are small, and README shows and quotes them."""
 
 from __future__ import annotations
 
+import json
 import re
 import runpy
 import shlex
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,8 +13,8 @@ from click import Command, Group
 from PIL import Image
 
 from harness.cli.main import main
+from tests.docs.pages import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery"
 WIDEST, LARGEST = 1200, 150_000  # [px], [bytes]
@@ -26,17 +26,25 @@ def made() -> dict[str, Any]:
     return runpy.run_path(str(DOCS / "make_gallery.py"))
 
 
-def test_the_page_is_up_to_date(made: dict[str, Any]) -> None:
-    """Have the page that `make gallery` writes, which says of each picture whether its data are simulated."""
-    assert (DOCS / "gallery.md").read_text(encoding="utf-8") == made["text"]()
+@pytest.fixture(scope="module")
+def answers(made: dict[str, Any]) -> dict[str, list[str]]:
+    """What the commands said when the pictures were taken, by entry."""
+    return json.loads(made["ANSWERS"].read_text(encoding="utf-8"))
+
+
+def test_the_page_is_up_to_date(made: dict[str, Any], answers: dict[str, list[str]]) -> None:
+    """Have the page that `make gallery` writes of its results; it says of each picture if its data are simulated."""
+    assert (DOCS / "gallery.md").read_text(encoding="utf-8") == made["text"](answers)
     assert all(one.data.startswith(("Simulated data: ", "Measured data: ")) for one in made["ENTRIES"])
     assert sum(one.data.startswith("Measured") for one in made["ENTRIES"]) == 1
 
 
 def test_pictures_are_there_and_small(made: dict[str, Any]) -> None:
     """Have a picture an entry and no others, that can be decoded and is not blank."""
-    assert {path.stem for path in GALLERY.iterdir()} == {one.name for one in made["ENTRIES"]}
-    for path in GALLERY.iterdir():
+    pictures = sorted(GALLERY.glob("*.png"))
+    assert {*GALLERY.iterdir()} == {*pictures, made["ANSWERS"]}
+    assert {path.stem for path in pictures} == {one.name for one in made["ENTRIES"]}
+    for path in pictures:
         with Image.open(path) as image:
             assert image.width <= WIDEST
             assert len(image.convert("RGB").getcolors(maxcolors=1 << 24)) > 50
@@ -67,3 +75,33 @@ def test_the_readme_shows_four_of_them() -> None:
     for name, anchor in shown:
         assert (GALLERY / f"{name}.png").is_file()
         assert anchor in anchors
+
+
+def test_a_line_that_no_longer_comes_is_noticed(made: dict[str, Any]) -> None:
+    """Refuse to write a page whose words the command contradicts."""
+    entry = next(one for one in made["ENTRIES"] if one.name == "diagnosis_measured")
+    with pytest.raises(ValueError, match="diagnosis_measured: no line begins with A rolling resistance"):
+        made["quoted"](entry, "No missing effect was found.\n")
+
+
+def test_the_readme_quotes_the_measured_rig_as_its_results_say(answers: dict[str, list[str]]) -> None:
+    """Quote sizes and errors of the command's sentence, and errors of the rig's page, rounded to millimetres."""
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    (sentence,) = answers["diagnosis_measured"]
+    page = (DOCS / "measured_rigs" / "open_ball_beam.md").read_text(encoding="utf-8")
+    assert sentence in page
+    found = re.fullmatch(
+        r"A rolling resistance of (\S+ ± \S+) and a lag of (\S+ ± \S+ ms) .* from (\S+) mm to (\S+) mm\.", sentence
+    )
+    assert found is not None
+    assert f"a rolling resistance of {found[1]} and a lag of {found[2]} of the beam" in readme
+    assert f"the command's own sentence says {found[3]} and {found[4]} mm" in readme
+    table = page.split("## Held-out errors")[1].split("## ")[0]
+    errors = {name: float(rms) for name, rms in re.findall(r"(?m)^\| ([^|]+) \| ([\d.]+) \|", table)}
+    before, after = errors.pop("model with what is known"), errors.pop("model with the effects found")
+    black_boxes = min(value for name, value in errors.items() if name.startswith("output-error model"))
+    assert f"the RMS error falls from {before:.0f} to {after:.1f} mm" in readme
+    assert f"a ball at rest errs by {errors['ball at rest']:.0f} mm" in readme
+    assert f"at constant velocity by {errors['ball at constant velocity']:.0f} mm" in readme
+    assert f"a double integrator by {errors['double integrator']:.0f} mm" in readme
+    assert f"black boxes fitted to the forecast by {black_boxes:.0f} mm and more" in readme
