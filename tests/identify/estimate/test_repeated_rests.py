@@ -26,7 +26,7 @@ def with_independent_rests(problem: Problem) -> Problem:
     """The same problem, each rest with an error of its own."""
     return replace(
         problem,
-        recordings=tuple(replace(one, drive=replace(one.drive, repeats=None)) for one in problem.recordings),
+        recordings=tuple(replace(one, drive=replace(one.drive, inflation=None)) for one in problem.recordings),
     )
 
 
