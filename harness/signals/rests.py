@@ -62,7 +62,11 @@ def rests(drive: Drive) -> Iterator[tuple[Count, slice]]:
 
 def limits(drives: Sequence[Drive]) -> set[Count]:
     """Counts at which the angle is cut off: its outermost ones in all recordings, if far more readings are on them than
-    on those next to them."""
+    on those next to them.
+
+    Where rounding alone limits the readings, rests say as much, and short visits are resolved by the motion around
+    them.
+    """
     often: Counter[Count] = Counter()
     for drive in drives:
         often.update((number, drive.sensor.resolution) for number in _read(drive) if math.isfinite(number))
@@ -92,7 +96,12 @@ def with_shared_rounding(drives: Sequence[Drive]) -> list[Drive]:
     """The same drives of one rig, which know what their errors share where the beam comes to the same count again in
     any of them, to rest there or because its angle is limited."""
     at = limits(drives)
-    found = [[*(each for each in rests(one) if each[0] not in at), *visits(one, at)] for one in drives]
+    found = [
+        list(rests(one))
+        if one.sensor.rounded
+        else [*(each for each in rests(one) if each[0] not in at), *visits(one, at)]
+        for one in drives
+    ]
     often = Counter(count for each in found for count, _ in each)
     known = []
     for drive, each in zip(drives, found, strict=True):
