@@ -89,7 +89,7 @@ BEAM_COMPLIANCE = Effect(
     "beam_compliance",
     "tilt grows by compliance · m g s",
     # no load lifts a beam; a ball of 0.1 kg at 0.3 m bends one of 0.2 by 3.4°, which is to be seen
-    (Parameter("compliance", "rad/(N m)", 0.0, 1.0, 0.02, starts=(0.0,), strength=True, usual=(0.0, 0.2)),),
+    (Parameter("compliance", "rad/(N m)", -1.0, 1.0, 0.02, starts=(0.0,), strength=True, usual=(0.0, 0.2)),),
     "Timoshenko, Strength of Materials, 1930: end rotation under a moment",
     write=adding(lambda k, rig, v: {slots.COMPLIANCE: v["compliance"] * rig.mass * rig.gravity}),
     code=Code(tilt="{compliance} * MASS * GRAVITY * s"),
