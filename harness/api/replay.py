@@ -16,6 +16,7 @@ from harness.api.saved import LoadedDiagnosis, as_written
 from harness.api.writing import sha256_of
 from harness.errors import InputError
 from harness.progress import Progress
+from harness.recording.own_files import OWN_FILES
 from harness.report.tables import Summarised, Summary, Table, texts
 
 if TYPE_CHECKING:
@@ -193,8 +194,14 @@ def _conclusions(
     made = diagnosis_record(found, case, record.wall_time_s, hashes)
     spared = {("errors", "also"), *(() if engines else [("errors", "engines")])}
     spared |= {("findings",)} if record.errors.also else set()
-    recorded, now = (one.model_dump(exclude=set(_APART)) for one in (record, made))
+    recorded, now = (_conclusions_of(one) for one in (record, made))
     yield from differences(recorded, now, spared)
+
+
+def _conclusions_of(record: DiagnosisRecord) -> dict[str, Any]:
+    """What is compared: without the note on files that the harness has put beside the recordings, before or since."""
+    findings = tuple(one for one in record.findings if one.code != OWN_FILES)
+    return record.model_copy(update={"findings": findings}).model_dump(exclude=set(_APART))
 
 
 def differences(

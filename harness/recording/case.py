@@ -11,7 +11,7 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.recording.findings import DataFinding, quoted
 from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_of
-from harness.recording.own_files import is_own
+from harness.recording.own_files import OWN_FILES, is_own
 from harness.recording.recording import Recording, load_recording
 from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
@@ -246,7 +246,7 @@ def _own_files(folder: Path) -> list[DataFinding]:
     """A note on files that the harness wrote, which are not taken for recordings."""
     own = sorted(entry.name for entry in _csv_files(folder) if is_own(entry))
     text = f"{quoted(own)}: written by the harness, not recordings; left out. List them in rig.toml if they are meant."
-    return [DataFinding("note", folder.resolve().name, text, "own-files")] if own else []
+    return [DataFinding("note", folder.resolve().name, text, OWN_FILES)] if own else []
 
 
 def _duplicates(recordings: dict[str, Recording], listed: tuple[str, ...], where: str) -> list[DataFinding]:

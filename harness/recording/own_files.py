@@ -6,6 +6,8 @@ NEXT_EXPERIMENT = "next_experiment.csv"
 """Name of a proposed experiment, whose columns are those of a recording."""
 PREDICTED = ("time_s", "ball_position_m", "low_m", "high_m")
 """Columns of a prediction, whatever its name."""
+OWN_FILES = "own-files"
+"""Code of the note on them."""
 _FIRST_COLUMNS = (",".join(PREDICTED), "time_s,measured_m,", "source,horizon,")
 """With which a prediction, trajectories.csv and metrics.csv begin."""
 

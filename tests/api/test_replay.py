@@ -57,6 +57,16 @@ def test_what_was_not_touched_comes_out_again(saved: Path, case: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_file_that_the_harness_put_beside_the_recordings_is_no_difference(
+    content: Content, case: Path, tmp_path: Path
+) -> None:
+    """Find nothing that differs where a prediction lay in the folder once, or does since, and was left out."""
+    note = {"severity": "note", "where": case.name, "text": "'rec_01_predicted.csv': written by the harness"}
+    content["findings"].append({**note, "code": "own-files"})
+    assert differing(content, case, tmp_path) == {}
+
+
+@pytest.mark.slow
 def test_every_forged_conclusion_is_listed(content: Content, case: Path, tmp_path: Path) -> None:
     """List verdict, sentence, effects, errors and model that were changed, seal and all, with both values."""
     (effect,) = content["effects"]
