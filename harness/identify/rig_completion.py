@@ -23,6 +23,10 @@ _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indic
 _RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
 # Standard errors. Three rather than two: the other reading, a ball whose mass is concentrated at its centre, is rare.
 _FLAT_WITHIN = 3.0
+_ANGLE_TO_CHECK = (
+    "If the recorded angle is that of a crank or motor, or its unit is another one, give its gain or the linkage when "
+    "importing (docs/import.md)"
+)
 _SAME = 1e-9  # relative difference of a value that was left as it is
 _LABELS = {"mass": ("mass m", "kg"), "radius": ("ball radius R", "m"), "gravity": ("gravity g", "m/s²")}
 
@@ -172,33 +176,27 @@ def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> t
 
 
 def contradicted(known: KnownRig, rig: Rig) -> DataFinding | None:
-    """A warning where a completed rig has another inertia or gravity than the rig file, as none of that one rolls so.
+    """A warning where a completed rig has another inertia [kg m²] or gravity [m/s²] than the rig file gives.
 
     Args:
         known: what the rig file says.
         rig: the same, completed by `rig_of_ratio`.
     """
-    again = (
-        "If the recorded angle is that of a crank or motor, or its unit is another one, give its gain or the linkage"
-    )
-    advice = f"{again} when importing (docs/import.md)"
     ratio = rig.rolling_ratio
     if known.gravity is not None and not math.isclose(known.gravity, rig.gravity, rel_tol=_SAME):
-        shown = ratio * rig.gravity / known.gravity
         text = (
-            f"the ball accelerates {shown:.2g} times as much as a mass that slides without friction would, and no ball "
+            f"the ball accelerates {ratio * rig.gravity / known.gravity:.2g} times as much as a mass that slides "
+            f"without friction would, and no ball that rolls does: {rig.gravity:.3g} m/s² stands for gravity. "
+            f"{_ANGLE_TO_CHECK}."
         )
-        text += f"that rolls does: {rig.gravity:.3g} m/s² stands for gravity. {advice}."
     elif known.inertia is not None and not math.isclose(known.inertia, rig.inertia, rel_tol=_SAME):
         given = [rig.with_(inertia=known.inertia, rolling_radius=share * rig.radius) for share in _RADIUS_RATIO_RANGE]
         least, most = sorted(one.rolling_ratio for one in given)
         text = (
             f"the recordings show a rolling ratio K of {ratio:.2g}, but a ball of the given inertia has {least:.2g} to "
+            f"{most:.2g} on any track: {rig.inertia:.2g} kg m² stands for the inertia. {_ANGLE_TO_CHECK}; a ball in "
+            "water has a smaller K, too."
         )
-        text += (
-            f"{most:.2g} on any track: {rig.inertia:.2g} kg m² stands for the inertia. {advice}; a ball in water has a "
-        )
-        text += "smaller K, too."
     else:
         return None
     return DataFinding("warning", "rig.toml", text, "rig-contradicted")

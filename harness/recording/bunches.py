@@ -66,8 +66,10 @@ def evened(path: Path, time: FloatArray, signals: Iterable[FloatArray]) -> tuple
 
 
 def _changes_evenly(signal: FloatArray, close: NDArray[np.bool_]) -> bool:
-    """Whether a signal changes as much between stamps that are close as between those that are not; true of one that is
-    not known at two close stamps, or does not change."""
+    """Whether a signal changes as much between stamps that are close as between those that are not.
+
+    So does one that never changes; of one that is not known at stamps of both kinds, nothing can be said: false.
+    """
     change = np.abs(np.diff(signal))
     within, between = change[close & np.isfinite(change)], change[~close & np.isfinite(change)]
     if not len(within) or not len(between):

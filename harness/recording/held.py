@@ -17,7 +17,7 @@ import numpy as np
 from analytic.motion import FloatArray
 
 # Repeats beyond those by chance, half as many as changes by one count, as a share of the readings. On seven measured
-# rigs and twelve simulated ones they are −0.01 to 0.01 of those of a sensor that is not held, 0.09 to 0.75 of others.
+# rigs and eleven simulated ones they are −0.01 to 0.01 of those of a sensor that is not held, 0.09 to 0.75 of others.
 _MANY = 0.05
 _FAR = 3.0  # counts by which a held value is left
 _FAR_CONTINUOUS = 0.05  # the same where there are no counts, of the median change

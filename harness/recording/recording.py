@@ -97,7 +97,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     }
     time = channels.pop("time")
     check_order(path, columns["time"].header, time, table.rows)
-    time, bunched = evened(path, time, (channels["angle"], channels.get("position", channels["angle"])))
+    time, bunched = evened(path, time, [channels[name] for name in ("angle", "position") if name in channels])
     time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
     check_length(path, columns["time"].header, time, len(table.rows))
     angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)

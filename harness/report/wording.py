@@ -10,6 +10,7 @@ from analytic.rig import Rig
 from harness.failures import Part
 from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
+from harness.identify.estimate.fit import Estimator
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.problem.windows import AHEAD
@@ -50,10 +51,9 @@ def sentence(diagnosis: Diagnosis) -> str:
                 f"{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE if _far_above_noise_floor(diagnosis):
-            left = diagnosis.found.root_process_noise / diagnosis.problem.angle_floor
             return (
-                f"Not identifiable from these recordings: the process noise is {number(left, 2)} times its floor, but "
-                f"no law that was tried predicts significantly better{_stays(diagnosis.heldout)}."
+                f"Not identifiable from these recordings: {_unexplained(diagnosis)}, but no law that was tried "
+                f"predicts significantly better{_stays(diagnosis.heldout)}."
             )
         case Verdict.NOT_IDENTIFIABLE:
             failed = " or could not be tried" if diagnosis.failures else ""
@@ -97,6 +97,14 @@ def _value(parameter: Parameter | None, one: Estimate) -> str:
 
 def _far_above_noise_floor(diagnosis: Diagnosis) -> bool:
     return Criterion(diagnosis.problem.settings).far_above_noise_floor(diagnosis.problem, diagnosis.found)
+
+
+def _unexplained(diagnosis: Diagnosis) -> str:
+    """That physics is missing: by how much, unless the density is that of a fit to free runs, which only predicts."""
+    found = diagnosis.found
+    if found.estimator is Estimator.FREE_RUNS:
+        return "physics is missing, by the process noise"
+    return f"the process noise is {number(found.root_process_noise / diagnosis.problem.angle_floor, 2)} times its floor"
 
 
 def _found(diagnosis: Diagnosis) -> str:

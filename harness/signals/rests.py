@@ -62,11 +62,7 @@ def rests(drive: Drive) -> Iterator[tuple[Count, slice]]:
 
 def limits(drives: Sequence[Drive]) -> set[Count]:
     """Counts at which the angle is cut off: its outermost ones in all recordings, if far more readings are on them than
-    on those next to them.
-
-    Where rounding alone limits the readings, rests say as much, and short visits are resolved by the motion around
-    them.
-    """
+    on those next to them."""
     often: Counter[Count] = Counter()
     for drive in drives:
         often.update((number, drive.sensor.resolution) for number in _read(drive) if math.isfinite(number))
@@ -94,7 +90,11 @@ def visits(drive: Drive, limits: set[Count]) -> Iterator[tuple[Count, slice]]:
 
 def with_shared_rounding(drives: Sequence[Drive]) -> list[Drive]:
     """The same drives of one rig, which know what their errors share where the beam comes to the same count again in
-    any of them, to rest there or because its angle is limited."""
+    any of them, to rest there or because its angle is limited.
+
+    Limits count where scatter is taken for noise. Where rounding alone limits the readings, rests say as much, and
+    short visits are resolved by the motion around them.
+    """
     at = limits(drives)
     found = [
         list(rests(one))

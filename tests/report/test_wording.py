@@ -11,7 +11,7 @@ import pytest
 from analytic.effects import CATALOGUE
 from analytic.rig import Rig
 from harness.identify.diagnosis import Diagnosis
-from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
@@ -30,8 +30,9 @@ def said(posed: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...] 
     at = Terms(recordings=(), effects=(), phases=np.zeros(2), spline=changes.get("spline"))
     process_noise = (changes.get("left", 1.0) * posed.problem.angle_floor) ** 2
     found = Fit(
-        Hypothesis(names, at.spline), np.zeros(0), at, process_noise, 0.0, np.zeros((0, 0)), posed.problem.readings
-    )
+        Hypothesis(names, at.spline), np.zeros(0), at, process_noise, 0.0, np.zeros((0, 0)), posed.problem.readings,
+        estimator=changes.get("estimator", Estimator.LIKELIHOOD),
+    )  # fmt: skip
     rms = changes.get("rms", ({"1 s": 0.02, "3 s": 0.174, "whole": 17.0}, {"1 s": 0.0002, "3 s": 0.0003, "whole": 9.0}))
     heldout = BeforeAfter(*(Errors(one, 0.0, 1.0) for one in rms))
     unseen = changes.get("unseen", ())
@@ -143,6 +144,8 @@ def test_what_is_left_unexplained(plain: Posed) -> None:
     text = said(plain, Verdict.NOT_IDENTIFIABLE, left=54.0)
     assert "the process noise is 54 times its floor" in text
     assert "no law that was tried" in text
+    by_free_runs = said(plain, Verdict.NOT_IDENTIFIABLE, left=0.4, estimator=Estimator.FREE_RUNS)
+    assert "physics is missing, by the process noise, but no law" in by_free_runs
     seen_too_little = said(plain, Verdict.NOT_IDENTIFIABLE, left=5.0, unseen=("track_bump",))
     assert "track bump would be below the detection limit" in seen_too_little
 

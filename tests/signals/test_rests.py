@@ -64,8 +64,8 @@ def test_visits_to_a_limit_of_the_command_count_however_short() -> None:
     assert np.all(known.inflation[~at_limit] < visits)
 
 
-def test_a_gain_from_a_limited_command_is_as_uncertain_as_the_rounding_at_its_limit() -> None:
-    """State the error of the angle so large that most of what a limit's rounding makes of a gain lies within it."""
+def test_the_error_at_a_limit_is_stated_as_large_as_its_rounding() -> None:
+    """Keep the angle of a limited command within two stated deviations; without sharing it is off by four to six."""
     for limit in (33.6, 34.0, 34.45):
         (known,) = with_shared_rounding([drive(held_command(limit), noise=None)])
         at_limit = np.abs(np.rint(known.reading / STEP)) == 34.0

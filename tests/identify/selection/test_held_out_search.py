@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Estimator, Fit, fit
+from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import fitted_windows
 from harness.identify.selection.criterion import Criterion, Rule
-from harness.identify.selection.held_out_search import search_by_held_out_errors
+from harness.identify.selection.held_out_search import _Search, search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger
 from tests.coloured import with_coloured_readings
 from tests.posed import pose
@@ -87,3 +89,20 @@ def test_parameters_that_predict_worse_give_way_to_those_of_free_runs(pair: Prob
     assert mended.estimator is Estimator.FREE_RUNS
     assert mended.values()["rolling_resistance", "coefficient"] == pytest.approx(0.006, rel=0.1)
     assert kept.hypothesis.names[0] == mended.hypothesis.names[0] == "rolling_resistance"
+
+
+def test_a_base_that_lacks_physics_is_the_one_that_predicts_better(pair: Problem) -> None:
+    """Take parameters of free runs for a model that is certain to lack physics, if they predict better, else not."""
+    hypothesis = Hypothesis(("level_error",))
+    base = fit(pair, hypothesis)
+    plain = fit_free_runs(pair, hypothesis, fitted_windows(pair.recordings)).fit
+    theta = base.theta + 3.0
+    wrong = replace(base, theta=theta, terms=hypothesis.terms(theta, pair))
+    search = _Search(pair, Ledger(Criterion(pair.settings)), lambda _: None)
+    at_floor = pair.angle_floor**2
+    lacking = 4.0 * (pair.settings.above_floor_ratio * pair.angle_floor) ** 2
+    assert search.predicting(replace(wrong, process_noise=lacking), plain) is plain
+    kept = replace(wrong, process_noise=at_floor)
+    assert search.predicting(kept, plain) is kept
+    as_good = replace(base, theta=plain.theta, terms=plain.terms, process_noise=lacking)
+    assert search.predicting(as_good, plain) is as_good
