@@ -15,7 +15,6 @@ With Q = L Lᵀ and C = I + Lᵀ Λ₊ L = G Gᵀ, M = L C⁻¹ L⁻¹ and M Q =
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -60,14 +59,26 @@ class ErrorProcess(NamedTuple):
     def at(self, stamps: NDArray[np.int64]) -> ErrorProcess:
         """That at some of its stamps, ascending numbers of them, shape (m,)."""
         transition, root = np.empty((len(stamps) - 1, 3, 3)), np.empty((len(stamps) - 1, 3, 3))
-        for k, (first, last) in enumerate(pairwise(stamps)):
-            A, roots = np.eye(3), np.zeros((3, 0))
-            for j in range(first, last):
-                A = self.transition[j] @ A
-                roots = np.hstack((self.transition[j] @ roots, self.root[j]))
-            transition[k] = A
-            root[k] = np.transpose(np.linalg.qr(roots.T, mode="r"))
+        _compose(self.transition, self.root, stamps, transition, root)
         return ErrorProcess(self.covariance[stamps], transition, root)
+
+
+@njit(cache=True)
+def _compose(
+    each: FloatArray, each_root: FloatArray, stamps: NDArray[np.int64], transition: FloatArray, root: FloatArray
+) -> None:
+    """Fill `transition` and `root` with those of all steps between two of `stamps` together, shape (m − 1, 3, 3)."""
+    for k in range(len(stamps) - 1):
+        count = stamps[k + 1] - stamps[k]
+        A, roots = np.eye(3), np.zeros((3 * count, 3))  # of each step, transposed, as it acts at the end
+        for i in range(count):
+            step = stamps[k] + i
+            carried = np.ascontiguousarray(each[step].T)
+            A = A @ carried
+            roots[: 3 * i] = roots[: 3 * i] @ carried
+            roots[3 * i : 3 * i + 3] = each_root[step].T
+        transition[k] = A.T
+        root[k] = np.linalg.qr(roots)[1].T
 
 
 def error_process(smoothed: Smoothed, variance: FloatArray) -> ErrorProcess:
