@@ -28,6 +28,8 @@ PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
 # Half width of the search for the log of the density: from the default, from a screening fit, from the previous round.
 _WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
 _HIGHEST = 0.0  # log of 1 m²/s³: a ball whose driving force is unknown
+# Change of the residuals up to which a Jacobian is used again: a tenth of the least that data can tell, a deviance of 1.
+_REUSED = 1.0
 _FINE_STEP = 1e-3  # of the Jacobian's differences near the optimum, in scaled parameters
 
 
@@ -223,8 +225,13 @@ def _least_squares(
     def at(z: FloatArray) -> FloatArray:
         return np.concatenate((residuals.at(origin + z), smoothness @ (origin + z)))
 
+    latest: tuple[FloatArray, FloatArray] | None = None
+
     def slopes(z: FloatArray) -> FloatArray:
-        return np.vstack((residuals.jacobian(origin + z, step), smoothness))
+        nonlocal latest
+        if latest is None or np.linalg.norm(latest[1] @ (z - latest[0])) > _REUSED:
+            latest = z, np.vstack((residuals.jacobian(origin + z, step), smoothness))
+        return latest[1]
 
     result = least_squares(
         at,

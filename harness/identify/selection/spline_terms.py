@@ -16,13 +16,14 @@ from analytic.slots import RESPONSE, ROLL, WEIGHT
 from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit, unrefined
 from harness.identify.estimate.own_values import own_of
+from harness.identify.estimate.refit import refit
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.filter.run import deviance_of, run_filter
 from harness.identify.problem.hypothesis import NOTHING, Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
-from harness.identify.selection.candidates import fitted_each, fitted_from, selected_effects
+from harness.identify.selection.candidates import fitted_each, selected_effects
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.period import period_of
@@ -163,7 +164,7 @@ def held_out_deviances(
 
     def held_out(fold: Fold) -> list[tuple[float, ...]]:
         progress(f"spline term: {fold.title} held out")
-        fits = [fitted_from(fold.problem, full, full.refined) for full in (found, best)]
+        fits = [refit(fold.problem, full) for full in (found, best)]
         return [tuple(_held_out_deviance(fold.problem, one, each, densities) for one in fits) for each in fold.left]
 
     deviances = itertools.chain.from_iterable(in_threads(held_out, folds(problem)))
