@@ -28,7 +28,8 @@ PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
 # Half width of the search for the log of the density: from the default, from a screening fit, from the previous round.
 _WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
 _HIGHEST = 0.0  # log of 1 m²/s³: a ball whose driving force is unknown
-# Change of the residuals up to which a Jacobian is used again: a tenth of the least that data can tell, a deviance of 1.
+# Norm of the change of the residuals since, up to which a Jacobian is used again: a deviance of 1, so less than a
+# standard error in all. Residuals are computed at each step: where least squares end stays the same.
 _REUSED = 1.0
 _FINE_STEP = 1e-3  # of the Jacobian's differences near the optimum, in scaled parameters
 

@@ -14,6 +14,7 @@ from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.screening import screen
 from harness.identify.filter import run as filter_run
+from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import Hypothesis
 from tests.posed import Posed, pose
 
@@ -142,3 +143,21 @@ def test_a_fit_that_least_squares_made_worse_is_returned_to(plain: Posed, monkey
     np.testing.assert_array_equal(again.theta, once.theta)
     np.testing.assert_array_equal(again.covariance, once.covariance)
     assert (again.deviance, again.process_noise) == (once.deviance, once.process_noise)
+
+
+def test_a_fit_that_begins_at_its_end_takes_one_jacobian(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the columns of a Jacobian once where a fit begins within a standard error of the optimum, as folds do."""
+    hypothesis = Hypothesis(("viscous_damping", "level_error"))
+    full = fit(plain.problem, hypothesis)
+    taken: list[FloatArray] = []
+    original = Residuals.jacobian
+
+    def counting(self: Residuals, theta: FloatArray, step: FloatArray | float) -> FloatArray:
+        taken.append(theta)
+        return original(self, theta, step)
+
+    monkeypatch.setattr(Residuals, "jacobian", counting)
+    again = fit(plain.problem, hypothesis, process_noise=full.process_noise, starts=[full.theta], rounds=1)
+    assert len(taken) == 1
+    # A deviance that has converged differs by less than this.
+    assert again.deviance < full.deviance + plain.problem.settings.converged
