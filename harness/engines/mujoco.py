@@ -33,7 +33,7 @@ from harness.errors import EngineFailure
 from mjcf.scene import make_scene
 
 CHUNK = 500  # steps between two checks for an early stop
-NATIVE_CHUNK = 10 * CHUNK  # the same where MuJoCo loops by itself: 20 µs a call are 0.1 % of so many steps
+FIRST_CHUNK = 10 * CHUNK  # the same where MuJoCo loops by itself, in chunks that double
 _STATE, _TIME = mujoco.mjtState.mjSTATE_INTEGRATION, int(mujoco.mjtState.mjSTATE_TIME)
 # Longest loss of contact that is tolerated if the ball touches before and after it [s]. The angular momentum about the
 # contact line is the same in flight and in rolling, so the ball lands with the state of a rolling ball; at 3° the
@@ -172,26 +172,28 @@ def _natively(
     """Fill `log` by MuJoCo's own loop, bit for bit as steps from Python fill it; returns the step that it got to.
 
     That loop repeats a state that MuJoCo reset or warned about, without saying why: it ends with `data` at the begin of
-    such a chunk, for `_step_by_step` to find out. It also ends after a chunk that leads out of bounds.
+    such a chunk, for `_step_by_step` to find out. It also ends after a chunk that leads out of bounds. Chunks double:
+    what is done between two of them, 0.15 ms, was 0.7 % of a run of a minute in even ones, and no run that ends early
+    steps on for longer than it had already run, or for the first chunk.
     """
     state = np.empty(mujoco.mj_stateSize(model, _STATE))
     mujoco.mj_getState(model, data, state, _STATE)
     batch = Batch(model, 1, 1)
     batch.state[0] = state
-    for begin in range(0, task.grid.steps, NATIVE_CHUNK):
-        end = min(begin + NATIVE_CHUNK, task.grid.steps)
+    begin, steps = 0, task.grid.steps
+    while begin < steps:
+        end = min(begin + max(begin, FIRST_CHUNK), steps)
         state[:] = batch.state[0]
         rows = slice(begin + 1, end + 1)
         record: dict[str | int, FloatArray] = {"qpos": log.pose[None, rows], "sensordata": log.force[None, begin:end]}
         record[_TIME] = log.clock[None, rows, None]
         batch.rollout(end - begin, turns[None, begin:end, None], record=tuple(record), out=record)
-        if batch.warning.any() or log.late(begin, end, task.grid.time_step) is not None:
+        late = batch.warning.any() or log.late(begin, end, task.grid.time_step) is not None
+        if late or _out_of_bounds(task, log, end):
             mujoco.mj_setState(model, data, state, _STATE)
             return begin
-        if _out_of_bounds(task, log, end):
-            mujoco.mj_setState(model, data, state, _STATE)
-            return begin
-    return task.grid.steps
+        begin = end
+    return steps
 
 
 def _step_by_step(
@@ -272,10 +274,10 @@ def _samples(rig: Rig, grid: Grid, log: _Log) -> Samples:
     if log.stopped is not None:
         samples.stopped = len(log.pose) - 1, *log.stopped
     begins = np.arange(max(1, len(touching) // every)) * every  # the last window includes the remainder
-    samples.step = begins.tolist()
-    samples.contacts = np.maximum.reduceat(touching, begins).tolist()
-    samples.normal_force = np.maximum.reduceat(load, begins).tolist()
-    samples.angle_error = np.maximum.reduceat(error, begins).tolist()
+    samples.step.frombytes(begins.tobytes())
+    samples.contacts.frombytes(np.maximum.reduceat(touching, begins).tobytes())
+    samples.normal_force.frombytes(np.maximum.reduceat(load, begins).tobytes())
+    samples.angle_error.frombytes(np.maximum.reduceat(error, begins).tobytes())
     return samples
 
 
