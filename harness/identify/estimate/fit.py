@@ -31,7 +31,7 @@ _HIGHEST = 0.0  # log of 1 m²/s³: a ball whose driving force is unknown
 # Norm of the change of the residuals since, up to which a Jacobian is used again: a deviance of 1, so less than a
 # standard error in all. Residuals are computed at each step: where least squares end stays the same.
 _REUSED = 1.0
-_FINE_STEP = 1e-3  # of the Jacobian's differences near the optimum, in scaled parameters
+FINE_STEP = 1e-3  # of the Jacobian's differences near the optimum, in scaled parameters
 
 
 class Estimator(StrEnum):
@@ -221,7 +221,7 @@ def _least_squares(
     SciPy's initial trust region is the norm of the start, which may be 0: parameters are counted from start − 1.
     """
     origin = start - 1.0
-    step = COARSE_STEP if first else _FINE_STEP
+    step = COARSE_STEP if first else FINE_STEP
 
     def at(z: FloatArray) -> FloatArray:
         return np.concatenate((residuals.at(origin + z), smoothness @ (origin + z)))

@@ -25,6 +25,7 @@ class EvidenceRecord(Part):
     after: tuple[Number, ...] = ()
     tests: int = 1
     nested: bool = False
+    weight: Number = 1.0
 
 
 class LedgerLine(Part):

@@ -42,6 +42,7 @@ class Rule(StrEnum):
     EXTEND = "extend"  # add a candidate, by held-out errors
     PRUNE = "prune"  # keep or drop an effect, by held-out errors
     EXCHANGE = "exchange"  # replace an effect by a candidate, by held-out errors
+    CORRELATED = "correlated"  # keep or drop an effect whose score is correlated in time, by what its gain then weighs
     RESTORE = "restore"  # return to the spline term that likelihood selected, by held-out errors
 
 
@@ -58,6 +59,7 @@ class Evidence:
             in-sample loss of both [m²], one number each (EXCHANGE).
         tests: number of candidates among which the significance level is divided (EXTEND).
         nested: whether the effect is nested in the spline term (ABSORB).
+        weight: by which the gain in deviance is divided, since the effect's score is correlated (CORRELATED) [1].
     """
 
     winner: Fit | None = None
@@ -67,6 +69,7 @@ class Evidence:
     after: tuple[float, ...] = ()
     tests: int = 1
     nested: bool = False
+    weight: float = 1.0
 
 
 NONE = Evidence()
@@ -139,6 +142,7 @@ class Criterion:
             Rule.REFINE: self._add,
             Rule.ABSORB: self._absorb,
             Rule.EXPLAIN: self._explain,
+            Rule.CORRELATED: self._correlated,
             Rule.JOINT: self._joint,
             Rule.VALIDATE: self._validate,
             Rule.EXTEND: self._held_out,
@@ -224,6 +228,13 @@ class Criterion:
         share = 1.0 - tried.process_noise / against.process_noise
         much = self.explains(tried, against)
         return much, f"{_lowers(gain)}, with {max(share, 0.0):.0%} less process noise{'' if much else ', too little'}"
+
+    def _correlated(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """An effect is kept if its gain in deviance, divided by the weight of its score, is worth its price."""
+        price = math.log(tried.readings) * (len(tried.theta) - len(against.theta))
+        kept = (gain + price) / evidence.weight - price > self.settings.keep
+        text = f"{_lowers(gain)}; its score is correlated, with {evidence.weight:.1f} times the variance supposed"
+        return kept, text if kept else f"{text}, too little"
 
     def explains(self, tried: Fit, against: Fit) -> bool:
         """Whether `tried` takes away a good part of the density of the process noise that `against` needs."""

@@ -152,4 +152,5 @@ def _evidence(evidence: Evidence, name_of: Callable[[Fit], str]) -> EvidenceReco
         after=evidence.after,
         tests=evidence.tests,
         nested=evidence.nested,
+        weight=evidence.weight,
     )

@@ -237,6 +237,7 @@ def _evidence(
         after=after,
         tests=recorded.tests,
         nested=recorded.nested,
+        weight=_number(recorded.weight),
     )
 
 

@@ -12,6 +12,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import windows_of
 from harness.identify.selection.beam_roughness import with_beam_roughness
 from harness.identify.selection.candidates import explained_by_few
+from harness.identify.selection.correlated_scores import without_correlated
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
@@ -57,7 +58,10 @@ def search(
     )
     if rougher is not problem:
         return search(rougher, progress, failures, jobs=jobs)
-    found = _by_likelihood(problem, base, begun, ledger, progress)
+    selected = _by_likelihood(problem, base, begun, ledger, progress)
+    found = ledger.attempt(
+        "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
+    )
     windows = windows_of(problem.recordings)
     # Free runs over a few windows do not find the values of a curve, and where a ball rolls over hills and hollows they
     # part whatever the law: a spline term that leaves nothing to explain is not put to them.
