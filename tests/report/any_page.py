@@ -163,6 +163,21 @@ class AnyPage:
                     ending = "" if unit_of_values == "1" else f" {unit_of_values}"
                     assert re.search(rf"(?:{_NUMBER}{re.escape(ending)}|—)(?:,|$)", value), (anchor, key, value)
 
+    def test_values_keep_to_one_line(self, driver):
+        """Tell every value on the line of its switch, so that no plot moves; on a telephone, break between panels."""
+        count = (
+            "const range = document.createRange(); range.selectNodeContents(arguments[0]);"
+            "return new Set([...range.getClientRects()].map((one) => Math.round(one.top))).size"
+        )
+        for width in browser.WIDTHS:
+            browser.resize(driver, width)
+            browser.settle(driver)
+            for anchor in charts(driver):
+                ActionChains(driver).move_to_element(plot_of(driver, anchor)).perform()
+                for value in driver.find_elements("css selector", f"{scope_of(anchor)} .value"):
+                    most = 1 if width >= 900 else 1 + value.text.count(",")
+                    assert driver.execute_script(count, value) <= most, (width, anchor, value.text)
+
     def test_points_are_told_one_by_one(self, driver):
         """Go forward and back through points with the buttons: each is told and ringed, and told under the mouse."""
         for anchor in charts(driver):

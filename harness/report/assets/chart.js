@@ -383,7 +383,7 @@
             const value = report.valueAt(this.x, one.y, at);
             if (one.lower === null) return report.text(value, panel.unit);
             const lower = report.valueAt(this.x, one.lower, at);
-            return `${report.text(lower, "")} … ${report.text(value, panel.unit)}`;
+            return `${report.text(lower, "")}\u00a0…\u00a0${report.text(value, panel.unit)}`; // breaks between panels alone
           })
           .join(", ");
     }
