@@ -128,7 +128,7 @@ class Check(Summarised):
 
     def plot(self) -> Figure:
         """Detection limit of every effect in its typical sizes; of a worthless input, its first recording."""
-        from harness.report.check.effects import drawn
+        from harness.report.check.limits import drawn
 
         return self.case.plot() if self.detection is None else drawn(self.detection.limits)
 

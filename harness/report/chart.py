@@ -75,10 +75,11 @@ class Panel:
         traces: drawn in this order.
         frame: limits that the ordinate never leaves; `None` for those of the data.
         log: whether the ordinate is logarithmic; what is not positive is left out.
-        zero: whether the line at 0 is drawn.
+        zero: whether the line at 0 is drawn; across rows whose abscissa is logarithmic that at 1.
         title: above the axes; may be empty.
         rows: names of rows, from top to bottom, where the ordinate is no quantity: row k is around −k. Label and unit
             are then those of no axis, and `zero` is across the rows.
+        row_height: of each on screen [px].
     """
 
     label: str
@@ -89,6 +90,7 @@ class Panel:
     zero: bool = False
     title: str = ""
     rows: Sequence[str] = ()
+    row_height: int = 56
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,7 @@ class Chart:
                 {
                     "label": panel.label, "unit": panel.unit, "title": panel.title, "log": panel.log,
                     "zero": panel.zero, "frame": panel.frame, "series": series, "names": list(panel.rows),
+                    "tall": panel.row_height,
                 }
             )  # fmt: skip
         return {

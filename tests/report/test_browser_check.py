@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 from harness.api.check import REPORT
 from tests.api.test_check import unseen  # noqa: F401  (a fixture)
-from tests.report.any_page import AnyPage, drawn
+from tests.report import browser
+from tests.report.any_page import AnyPage, drawn, scope_of
 
 pytestmark = pytest.mark.slow
 FLOAT32 = 2.0**-23  # relative rounding of numbers in the page
@@ -43,9 +45,9 @@ class TestPage(AnyPage):
 
 
 def test_no_plot_is_a_still_picture(driver):
-    """Have an interactive plot in place of every picture: two recordings and the proposed motion."""
-    assert len(driver.find_elements("css selector", "main figure")) == 3
-    assert len(driver.find_elements("css selector", "main figure.is-live")) == 3
+    """Have an interactive plot in place of every picture: detection limits, two recordings and the proposed motion."""
+    assert len(driver.find_elements("css selector", "main figure")) == 4
+    assert len(driver.find_elements("css selector", "main figure.is-live")) == 4
 
 
 def test_recordings_are_drawn_as_they_are(driver, checked):
@@ -70,6 +72,26 @@ def test_what_is_odd_is_drawn_apart(driver, checked):
         np.testing.assert_allclose(position, one.position[mask], rtol=FLOAT32)
     marks = driver.execute_script("return report.charts.get(arguments[0]).data.marks", ODD)
     assert [(mark["begin"], mark["end"]) for mark in marks] == [(one.time[59], one.time[80])]
+
+
+def test_limits_are_those_of_the_table(driver, checked):
+    """Draw every limit that a size reaches in typical sizes, the lowest on top, and tell it with its unit."""
+    for key, kind in (("as recorded", "limit"), ("once the rest is explained", "explained")):
+        shares, rows = drawn(driver, "detection-limits", 0, key)
+        both = [(getattr(one, kind), one.typical, one.inverse) for one in checked.detection.limits]
+        known = [
+            typical / limit if turned else limit / typical for limit, typical, turned in both if 0 < limit < np.inf
+        ]
+        np.testing.assert_allclose(np.sort(shares), np.sort(known))
+        assert len(set(rows)) == len(rows)
+    shares, rows = drawn(driver, "detection-limits", 0, "once the rest is explained")
+    assert (np.diff(shares[np.argsort(-rows)]) >= 0.0).all()
+    scope = scope_of("detection-limits")
+    browser.button(driver, scope, "Next point").click()
+    said = driver.find_element("css selector", f"{scope} .picked").text
+    assert re.fullmatch(r"as recorded, [a-z ]+ \S+( \S+)*: detection limit in typical sizes of the effect \S+", said), (
+        said
+    )
 
 
 def test_the_proposed_motion_is_that_of_the_table(driver, checked):

@@ -144,7 +144,7 @@
     // With room beside the first and the last point, which would be cut by the frame.
     covered() {
       const rows = this.data.panels.filter((panel) => panel.names.length > 0);
-      const far = [this.x[0], this.x[this.x.length - 1], ...rows.flatMap((panel) => report.rows.covered(this.x, panel))];
+      const far = [this.x[0], this.x[this.x.length - 1], ...rows.flatMap((panel) => report.rows.covered(this.x, panel, this.data.log))];
       const ends = [Math.min(...far), Math.max(...far)];
       if (this.data.panels.every((panel) => panel.series.every((one) => one.rows === undefined))) return ends;
       const [begin, end] = ends.map((one) => this.clock.place(one));
@@ -244,7 +244,7 @@
             setSelect: [(plot) => this.selected(plot)],
             drawClear: [(plot) => drawMarks(plot, data.marks)],
             draw: [
-              ...(rows ? [(drawn) => report.rows.draw(drawn, panel)] : panel.zero ? [zeroLine] : []),
+              ...(rows ? [(drawn) => report.rows.draw(drawn, panel, data.log)] : panel.zero ? [zeroLine] : []),
               (drawn) => this.bars(drawn, panel),
               () => this.ring(),
             ],

@@ -1,13 +1,14 @@
 // Panels whose ordinate is no quantity: rows with a name each, drawn above what belongs to it, so that any length fits.
 (() => {
-  const TALL = 56; // of a row [px]
   const NAME = 0.3; // of a row, from its middle up to its name
 
   const ends = (panel) => [0.7 - panel.names.length, 0.62];
 
-  // Abscissas that have to be seen: bars to their ends, and 0 where it is drawn.
-  function covered(x, panel) {
-    const found = panel.zero ? [0] : [];
+  const neutral = (log) => (log ? 1 : 0); // abscissa of the line across the rows
+
+  // Abscissas that have to be seen: bars to their ends, and the line across where it is drawn.
+  function covered(x, panel, log) {
+    const found = panel.zero ? [neutral(log)] : [];
     for (const one of panel.series)
       (one.rows ?? []).forEach((row) => {
         const half = one.spread?.[row] ?? 0;
@@ -16,12 +17,12 @@
     return found;
   }
 
-  function draw(plot, panel) {
+  function draw(plot, panel, log) {
     const { ctx } = plot;
     const { left, top, width, height } = plot.bbox;
     ctx.save();
     ctx.fillStyle = report.theme.variable("--ink");
-    const zero = plot.valToPos(0, "x", true);
+    const zero = plot.valToPos(neutral(log), "x", true);
     if (panel.zero && zero >= left && zero <= left + width)
       ctx.fillRect(zero - 0.4 * devicePixelRatio, top, 0.8 * devicePixelRatio, height);
     ctx.font = `${12 * devicePixelRatio}px system-ui`;
@@ -38,5 +39,5 @@
     ctx.restore();
   }
 
-  report.rows = { ends, covered, draw, height: (panel) => panel.names.length * TALL + 20 };
+  report.rows = { ends, covered, draw, height: (panel) => panel.names.length * panel.tall + 20 };
 })();

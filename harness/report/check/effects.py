@@ -1,28 +1,21 @@
-"""Tables of what the recordings can show: detection limits, and effects that look alike."""
+"""What the recordings can show: detection limits as a picture and a table, and effects that look alike."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-from matplotlib.figure import Figure
-
 from harness.formatting import fixed, number
 from harness.identify.design.detection import ALIKE, Detection, Limit
 from harness.report.check.content import Content, Subject
+from harness.report.check.limits import picture_of
+from harness.report.check.wording import AS_RECORDED, EXPLAINED, limit_text
 from harness.report.page import Section
-from harness.report.palette import INK
-from harness.report.plots import drawing, plain_log, style
 from harness.report.tables import Column, Row, Table, texts
 
-_KINDS = (("as recorded", "o", "#D55E00"), ("once the rest is explained", "D", "#0072B2"))
-BEYOND = "no size"
-AS_RECORDED = "the expected gain reaches the threshold of the diagnosis, while the model lacks what it lacks now"
 SEARCHED = (
     "Of effects with a place or a shape, a bump of the track most of all, the strength alone is counted, at a typical "
     "shape in the middle of the track: the search has to find these, too, so that such limits are lower bounds."
 )
-EXPLAINED = "the same once everything else that is missing has been found"
 
 
 def section(subject: Subject) -> Section | None:
@@ -42,7 +35,8 @@ def section(subject: Subject) -> Section | None:
     if found.used < len(subject.case.identify):
         notes.append(f"Computed from {found.used} of {len(subject.case.identify)} recordings: information adds up.")
     tables = (limits_table(found.limits), *([alike] if alike else []))
-    content = Content(texts=(text,), tables=tables, notes=tuple(notes))
+    made = picture_of(found.limits)
+    content = Content(texts=(text,), pictures=() if made is None else (made,), tables=tables, notes=tuple(notes))
     return content.section("effects", "What these recordings can show", "Effects")
 
 
@@ -52,13 +46,6 @@ def hidden_text(found: Detection) -> str:
         f"Not shown at any size: {', '.join(found.hidden)}. The estimates of what rig.toml leaves open take these in; "
         "state the quantities that it lacks."
     )
-
-
-def limit_text(one: Limit, limit: float) -> str:
-    """A limit in words: a number, `below` it for an effect of small values, or that no size shows."""
-    if limit == 0.0 or math.isinf(limit):
-        return BEYOND
-    return f"below {number(limit)}" if one.inverse else number(limit)
 
 
 def shown(one: Limit) -> str:
@@ -95,32 +82,6 @@ def limits_table(limits: tuple[Limit, ...]) -> Table:
     return Table(
         "Detection limits; shows at its typical size: yes, later (once the rest is explained), no", columns, rows
     )
-
-
-@style()
-def drawn(limits: tuple[Limit, ...]) -> Figure:
-    """Detection limits in typical sizes of their effects, on a logarithmic axis; what is left of 1 shows."""
-    told = [(one.effect, [_share(one, limit) for limit in (one.limit, one.explained)]) for one in limits]
-    told.sort(key=lambda each: min(each[1]))
-    figure = drawing(0.9 + 0.19 * len(told))
-    axes = figure.add_subplot()
-    shares = np.array([values for _, values in told]).reshape(-1, 2)
-    for column, (label, marker, colour) in enumerate(_KINDS):
-        finite = np.isfinite(shares[:, column])
-        axes.plot(shares[finite, column], np.flatnonzero(finite), marker, color=colour, markersize=5, label=label)
-    axes.axvline(1.0, color=INK, linewidth=1.0)
-    plain_log(axes, "x")
-    axes.set_yticks(range(len(told)), [name.replace("_", " ") for name, _ in told])
-    axes.set_xlabel("detection limit in typical sizes of the effect [1]; to the left of 1 it shows")
-    figure.legend(loc="outside upper left", ncols=2)
-    return figure
-
-
-def _share(one: Limit, limit: float) -> float:
-    """A limit over the typical size, the other way round for an effect of small values; infinite for no size."""
-    if limit == 0.0 or math.isinf(limit):
-        return math.inf
-    return one.typical / limit if one.inverse else limit / one.typical
 
 
 def alike_table(limits: tuple[Limit, ...]) -> Table | None:
