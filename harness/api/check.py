@@ -13,7 +13,7 @@ from harness.api.outputs import sealed_json, write_csv
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.failures import Failures
-from harness.formatting import number
+from harness.formatting import length, number
 from harness.progress import Progress, Stage
 from harness.provenance import versions
 from harness.recording import Case as CheckedCase
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from harness.identify.design.detection import Detection
     from harness.identify.design.excitation import OperatingEnvelope
     from harness.identify.design.proposal import Proposal
+    from harness.identify.validation.at_rest import AgainstRest
     from harness.report.check.content import Subject
 
 FILE, REPORT = "check.json", "check.html"
@@ -44,6 +45,8 @@ class Check(Summarised):
         detection: detection limits; `None` where an input is not worth computing them.
         proposal: the motion to record instead; `None` if every effect shows or none would help.
         envelope: ranges of the motions that were tried for it.
+        ahead: errors of the declared model over 1 s, against those of a ball at rest; `None` where an input is not
+            worth computing them or too short.
     """
 
     case: Case
@@ -51,6 +54,7 @@ class Check(Summarised):
     detection: Detection | None = None
     proposal: Proposal | None = None
     envelope: OperatingEnvelope | None = None
+    ahead: AgainstRest | None = None
 
     @property
     def fit(self) -> bool:
@@ -67,7 +71,18 @@ class Check(Summarised):
         later = sum(one.seen for one in limits)
         more = f", {later} once what the declared model lacks is explained" if later > now else ""
         told = f"{now} of {len(limits)} effects would show at their typical size{more}."
-        return f"{'Fit for use' if self.fit else 'Not fit for use'}: {told}"
+        return f"{'Fit for use' if self.fit else 'Not fit for use'}: {told}{self._worse_than_rest}"
+
+    @property
+    def _worse_than_rest(self) -> str:
+        """That the declared model predicts worse than a ball at rest; empty if it does not."""
+        if self.ahead is None or not self.ahead.worse:
+            return ""
+        model, rest = length(self.ahead.model), length(self.ahead.at_rest)
+        return (
+            f" But over 1 s the declared model predicts worse than a ball at rest would: RMS error {model}, of a ball "
+            f"that stays where it is {rest}. Do not use the model as it is; `harness diagnose` looks for what it lacks."
+        )
 
     @property
     def next_sentence(self) -> str:
@@ -144,6 +159,7 @@ class Check(Summarised):
             "findings": [{**asdict(one), "stops": one.stops} for one in self.case.findings],
             "effects": self._rows(),
             "hidden": list(self.detection.hidden) if self.detection else [],
+            "error_over_1_s": asdict(self.ahead) if self.ahead else None,
             "next_experiment": self.next_sentence or None,
             "inputs": {"hashes": input_hashes(self.case), "versions": versions()},
         }
@@ -181,7 +197,9 @@ class Check(Summarised):
     def _subject(self) -> Subject:
         from harness.report.check.content import Subject
 
-        return Subject(self.case, self.sentence, self.reasons, self.detection, self.proposal, self.next_sentence)
+        return Subject(
+            self.case, self.sentence, self.reasons, self.detection, self.proposal, self.next_sentence, self.ahead
+        )
 
 
 def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) -> Check:
@@ -204,10 +222,13 @@ def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) 
         from harness.identify.design.detection import detection_limits
         from harness.identify.design.excitation import envelope_of
         from harness.identify.pose import problem_of
+        from harness.identify.validation.at_rest import against_rest
 
         tell("drives and rig", share=0.1)
         problem = problem_of(read)
-        found = detection_limits(problem, Stage(tell, 0.2, 0.8, 3.0))
+        found = detection_limits(problem, Stage(tell, 0.2, 0.75, 3.0))
+        tell("errors over 1 s", share=0.75)
+        ahead = against_rest(problem, found.base)
         unseen = [one.effect for one in found.limits if not one.seen]
         share = problem.settings.unseen_share
         if len(unseen) > share * len(found.limits):
@@ -219,7 +240,7 @@ def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) 
         if unseen:
             tell("what to record instead", share=0.8)
             proposal = choose_to_detect(problem, found.base, unseen, length=read.rig.length)
-    return Check(read, reasons, found, proposal, envelope)
+    return Check(read, reasons, found, proposal, envelope, ahead)
 
 
 def _within(envelope: OperatingEnvelope | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from harness.api.check import FILE, REPORT, Check
 from harness.identify.design.choose import choose_to_detect
 from harness.identify.design.detection import detection_limits
 from harness.identify.pose import problem_of
+from harness.identify.validation.at_rest import AgainstRest
 from harness.recording.own_files import NEXT_EXPERIMENT
 from tests.acceptance.short import write_short_case
 
@@ -44,6 +46,20 @@ def test_a_proposed_motion_is_drawn_and_kept(unseen: Check, tmp_path: Path) -> N
     assert f"The profile “{unseen.proposal.profile.name}”" in page
     assert "Not everything worked" not in page
     assert "To detect more effects" in repr(unseen)
+
+
+def test_a_model_worse_than_a_ball_at_rest_is_told(unseen: Check, tmp_path: Path) -> None:
+    """Say in the answer, on the page and in the record that 1 s is predicted worse than a ball at rest would be."""
+    worse = replace(unseen, ahead=AgainstRest(0.0409, 0.0278))
+    told = "predicts worse than a ball at rest would: RMS error 40.9 mm, of a ball that stays where it is 27.8 mm."
+    assert told in worse.sentence
+    worse.save(tmp_path)
+    page = (tmp_path / REPORT).read_text(encoding="utf-8")
+    assert "predicts worse than a ball at rest would" in page
+    assert "worse than a ball at rest" in page.partition("</h1>")[0]  # a badge
+    kept = json.loads((tmp_path / FILE).read_text(encoding="utf-8"))
+    assert kept["error_over_1_s"] == {"model": 0.0409, "at_rest": 0.0278}
+    assert "at rest" not in replace(unseen, ahead=AgainstRest(0.01, 0.0278)).sentence
 
 
 def test_a_check_is_replaced_by_the_next(unseen: Check, tmp_path: Path) -> None:

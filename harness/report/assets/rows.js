@@ -1,6 +1,6 @@
 // Panels whose ordinate is no quantity: rows with a name each, drawn above what belongs to it, so that any length fits.
 (() => {
-  const NAME = 0.3; // of a row, from its middle up to its name
+  const NAME = 0.37; // of a row, from its middle up to its name
 
   const ends = (panel) => [0.7 - panel.names.length, 0.62];
 

@@ -27,6 +27,8 @@ def render_check(subject: Subject, failures: Failures) -> str:
     """
     bodies = bodies_of({name: partial(section, subject) for name, section in SECTIONS.items()}, failures)
     badges = [Badge("not fit for use", "bad") if subject.reasons else Badge("fit for use", "good")]
+    if subject.ahead is not None and subject.ahead.worse:
+        badges.append(Badge("model worse than a ball at rest", "bad"))
     if subject.case.simulated:
         badges.append(Badge("simulated data", "warning"))
     return render_page(

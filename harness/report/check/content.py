@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from harness.identify.design.detection import Detection
 from harness.identify.design.proposal import Proposal
+from harness.identify.validation.at_rest import AgainstRest
 from harness.recording import Case
 from harness.recording.findings import DataFinding
 from harness.report.page import Section
@@ -26,6 +27,7 @@ class Subject:
         detection: detection limits; `None` if there is no use in computing them.
         proposal: what to record instead; `None` if every effect shows or no motion would help.
         next_sentence: what to record instead, in words; empty if every effect shows.
+        ahead: errors over 1 s against those of a ball at rest; `None` where they were not computed.
     """
 
     case: Case
@@ -34,6 +36,7 @@ class Subject:
     detection: Detection | None
     proposal: Proposal | None
     next_sentence: str
+    ahead: AgainstRest | None = None
 
 
 @dataclass(frozen=True)
