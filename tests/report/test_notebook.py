@@ -17,6 +17,7 @@ from PIL import Image
 import harness
 from harness.formatting import number
 from harness.identify.record import EffectRecord, ParameterRecord
+from harness.report.diagnosis.kept_errors import drawn
 from harness.report.notebook import notebook_html
 from harness.report.tables import Summary, Table, texts
 from tests.acceptance.short import write_short_case
@@ -150,8 +151,20 @@ def test_a_kept_diagnosis_shows_the_numbers_of_its_file(folder: Path, tmp_path: 
     assert ["cam", "3 s", "79.1", "8.10"] in cells(html)
     assert ["cam", "whole", "200", "–"] in cells(html)
     assert len(pictures(html)) == 1
-    drawn = np.concatenate([line.get_ydata() for line in kept.plot().axes[0].lines])
-    assert {79.1, 8.1, 200.0} == {round(float(value), 6) for value in drawn if np.isfinite(value)}
+    marks = [line for line in kept.plot().axes[0].lines if line.get_linestyle() == "None"]
+    shown = np.concatenate([line.get_ydata() for line in marks])
+    assert {79.1, 8.1, 200.0} == {round(float(value), 6) for value in shown if np.isfinite(value)}
+
+
+def test_kept_errors_are_over_the_length_of_the_horizon() -> None:
+    """Place 1, 3 and 5 s on a logarithmic axis in seconds, whatever their order, and the rest beyond them."""
+    errors = [("cam", name, 0.01, 0.005) for name in ("5 s", "1 s", "3 s", "whole")]
+    axes = drawn(errors).axes[0]
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+    assert "[s]" in axes.get_xlabel()
+    assert [one.get_text() for one in axes.get_xticklabels()] == ["1", "3", "5", "rest"]
+    assert list(axes.get_xticks()) == [1.0, 3.0, 5.0, 10.0]
+    assert list(axes.lines[0].get_xdata()) == pytest.approx([1.0, 3.0, 5.0, 10.0])
 
 
 @pytest.mark.slow
