@@ -11,7 +11,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.signals import Group, Signal
-from harness.importing.words import VOLTS, Kind, Role, is_input, read_name, unit_key
+from harness.importing.words import VOLTS, Kind, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.findings import quoted
 
 MOST_CHOICES = 12
@@ -104,11 +104,16 @@ def _shaft(path: Path, group: Group, signal: Signal, options: Options) -> Found:
     name = group.qualified(signal)
     if options.linkage is not None:
         return Found(group, signal, None, "its name, with --linkage")
+    unit = read_name(signal.name).unit or signal.unit
+    if not unit.isalpha() or factor_of("angle", unit) is None:
+        unit = "deg"
     as_beam = Choice({"angle": name}, f"--angle '{name}'", "it is the beam's angle")
     raise Ambiguity(
         f"{path}: '{name}' may be the angle of the servo or motor, and not that of the beam.",
         (as_beam,),
-        "If a crank turns the beam, give --linkage r=RADIUS,L=LEVER in m, such as r=0.025,L=0.4.",
+        "If a crank turns the beam, give --linkage r=RADIUS,L=LEVER in m, such as r=0.025,L=0.4. If the beam turns in "
+        "proportion to it, give the ratio as the gain of --angle COLUMN:GAIN UNIT/READING, such as "
+        f"--angle '{name}:0.0625 {unit}/{unit}'.",
     )
 
 

@@ -106,6 +106,23 @@ def test_an_ambiguity_is_told_and_the_answer_works(tmp_path: Path) -> None:
     assert call(file, "--out", tmp_path / "case", "--angle", "theta").exit_code == 0
 
 
+def test_the_angle_of_a_servo_is_asked_for_with_both_ways_to_the_beams(tmp_path: Path) -> None:
+    """Name --linkage and the gain of a column; the gain, given as it is printed, makes the beam's angle."""
+    time, angle, position = made.truth()
+    rows = np.column_stack((time, np.degrees(angle) / 0.0625, position))
+    file = tmp_path / "servo.csv"
+    np.savetxt(file, rows, delimiter=",", header="time_s,servo (deg),x_m", comments="", fmt="%.9f")
+    done = call(file, "--out", tmp_path / "case")
+    assert done.exit_code == 2
+    assert "--linkage r=RADIUS,L=LEVER" in done.stderr
+    assert "COLUMN:GAIN UNIT/READING" in done.stderr
+    (given,) = re.findall(r"such as --angle '([^']+)'", done.stderr.replace("\n", " "))
+    assert given == "servo (deg):0.0625 deg/deg"
+    assert call(file, "--out", tmp_path / "case", "--angle", given).exit_code == 0
+    (one,) = load_case(tmp_path / "case").recordings.values()
+    np.testing.assert_allclose(one.angle, angle, atol=1e-8)
+
+
 def test_a_reversed_sign_is_asked_for_and_can_be_put_right(tmp_path: Path) -> None:
     """Refuse data whose ball runs against the angle; take either flip, or keep the signs if told so."""
     import pandas as pd
