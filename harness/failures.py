@@ -58,7 +58,12 @@ class Failed:
 def described(part: str, name: str, message: str, where: str) -> str:
     """A failure in words; arguments as the attributes of `Failed`."""
     title = " ".join([part.replace("_", " "), *([name] if name else [])])
-    return f"{title} failed: {message}" + (f" ({where})" if where else "")
+    engine = name.partition(" ")[0]
+    if engine and message.startswith(f"{engine} failed "):  # of an `EngineFailure`, which names the engine itself
+        message = message.removeprefix(f"{engine} ")
+    else:
+        message = f"failed: {message}"
+    return f"{title} {message}" + (f" ({where})" if where else "")
 
 
 class Failures:

@@ -37,6 +37,17 @@ def test_a_message_for_the_user_stands_alone() -> None:
     )
 
 
+def test_an_engine_that_fails_is_named_once() -> None:
+    """Say engine, recording, instant and cause in one sentence."""
+
+    def run() -> None:
+        raise EngineFailure("mujoco", None, 9.891, "the ball lifts off the beam")
+
+    assert str(caught(Part.ENGINE, "mujoco on rec_01.csv", run)) == (
+        "engine mujoco on rec_01.csv failed at t = 9.891 s: the ball lifts off the beam"
+    )
+
+
 @pytest.mark.parametrize("came", [KeyboardInterrupt, Terminated])
 def test_a_signal_is_no_failure_of_a_part(came: type[BaseException]) -> None:
     """Raise what a signal raised, though the compiled code that it came upon made a `SystemError` of it."""

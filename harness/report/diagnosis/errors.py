@@ -96,8 +96,8 @@ def _failures(account: Account) -> list[str]:
         dict.fromkeys(run[when]["failed"] for run in runs if "failed" in run.get(when, {}))
         for when in ("before", "after")
     )
-    only = " (without the effects found)" if account.changed else ""
-    return [*after, *(f"{text}{only}" for text in before if text not in after)]
+    only = "without the effects found, " if account.changed else ""
+    return [*after, *(f"{only}{text}" for text in before if text not in after)]
 
 
 def _innovations(account: Account) -> Table:
