@@ -18,7 +18,9 @@ ASKED = 600.0
 MEMORY_ASKED = 4e9
 """Memory beyond which it asks [bytes]; a single run that takes more is refused (`engines.leapfrog.check_steps`)."""
 # Measured on two cores [s]: steps of the engines, PyBullet's being the slowest; diagnoses of one to ten recordings with
-# 300 to 20 000 readings, which take 27 to 230 s. A search that finds much takes twice as long as the line says.
+# 300 to 20 000 readings, which take 27 to 230 s. A search that finds much takes twice as long as the line says. Where
+# nothing else runs, five measured rigs (600 to 20 000 readings) took half of what it says, 37 to 132 s; beside so much
+# other work that six processes share two cores, the largest took one and a half times of it.
 _STEP = {"mujoco": 4e-5}
 _STEP_OTHER = 1.1e-4
 _DIAGNOSIS, _RECORDING, _READING = 60.0, 2.0, 0.01
