@@ -2,40 +2,28 @@
 
 *At rest*, the ball stays where it was last; at *constant velocity*, it goes on as it went. They know nothing of the
 beam; over how many of the last known seconds their start is taken is fitted. The *double integrator* is
-s̈ = k (α + α₀). The *output-error models* of order two and three, s(t) = B(q)/F(q) α(t) with one coefficient more in B
-than in F, are black boxes (Ljung, System Identification, 2nd ed., section 4.2); their constant input represents an
-angle offset. In closed loop they may read the controller backwards: where the angle is a function of the position, a
-model of that function's inverse predicts the position from the angle and describes no beam.
+s̈ = k (α + α₀). The *output-error models* of order two and three are black boxes
+(`harness.identify.validation.output_error`). In closed loop they may read the controller backwards: where the angle is
+a function of the position, a model of that function's inverse predicts the position from the angle and describes no
+beam.
 
-All are linear but for F: gains and initial states follow by linear least squares, and only the parameters of F are
-searched for (variable projection, Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973). They are fitted to free runs over
-windows as long as the predicted ones, which gives lower errors than whole recordings (docs/diagnosis_experiments.md).
+Gains and initial states follow by linear least squares. All are fitted to free runs over windows as long as the
+predicted ones, which gives lower errors than whole recordings (docs/diagnosis_experiments.md).
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 from scipy.integrate import cumulative_simpson
-from scipy.optimize import least_squares
-from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
 from harness.identify.problem.windows import KNOWN, Window
+from harness.identify.validation.output_error import OutputError, fit_poles
 
-# Bounds of F, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: growth by at most e in a second, three times that of a ball on
-# the softest beam measured, since a fit that grows by more predicts kilometres; decay within one or two readings;
-# oscillation below half the sampling rate.
-_SLOWEST, _FASTEST = -1.0, 4.0  # [1/s], [1 per step]
-_STARTS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped oscillator
-_FURTHER_STARTS = (0.5, 10.0)  # decay of a third pole [1/s]: slower than the beam's motion, and faster
-_DIFFERENCE = 1e-4  # relative step of finite differences in F
-_CONVERGED = 1e-6  # relative decrease of the sum of squares: half as much of the RMS error
 _MEMORIES = (0.1, 0.2, 0.4, 0.7, 1.0, KNOWN)  # spans that the start of a baseline may be taken over [s]
 
 
@@ -92,53 +80,6 @@ class DoubleIntegrator:
 
 
 @dataclass(frozen=True)
-class OutputError:
-    """B(q)/F(q) with poles exp(λ T).
-
-    Of λ² + f₁ λ + f₀ = 0 and, for order three, λ = −f: `poles` are f₁ [1/s], f₀ [1/s²] and f [1/s].
-    """
-
-    poles: tuple[float, ...]
-
-    @property
-    def order(self) -> int:
-        """Of F."""
-        return len(self.poles)
-
-    def denominator(self, step: float) -> FloatArray:
-        """Coefficients of F(q) in q⁰, q⁻¹, …, shape (order + 1,), for a sampling interval `step` [s]."""
-        first, zeroth, *further = self.poles
-        square = zeroth - 0.25 * first**2  # of the angular frequency
-        cosine = math.cos(step * math.sqrt(square)) if square >= 0.0 else math.cosh(step * math.sqrt(-square))
-        F = np.array([1.0, -2.0 * math.exp(-0.5 * first * step) * cosine, math.exp(-first * step)])
-        for rate in further:
-            F = np.convolve(F, [1.0, -math.exp(-rate * step)])
-        return F
-
-    def driven(self, window: Window) -> FloatArray:
-        """α/F with delays of 0 to `order` steps, and 1/F."""
-        direct = lfilter([1.0], self.denominator(window.step), window.angle)
-        pulse = _pulse(self, window.step, len(window.grid))
-        return window.at_stamps([*_shifted(direct, self.order + 1), np.cumsum(pulse)])
-
-    def free(self, window: Window) -> FloatArray:
-        """1/F of an impulse at each of the first stamps."""
-        return window.at_stamps(_shifted(_pulse(self, window.step, len(window.grid)), self.order))
-
-
-@lru_cache(maxsize=4)  # windows of a recording differ in nothing of it
-def _pulse(law: OutputError, step: float, count: int) -> FloatArray:
-    """1/F of an impulse at the first of `count` samples, shape (count,)."""
-    pulse: FloatArray = lfilter([1.0], law.denominator(step), np.eye(1, count)[0])
-    return pulse
-
-
-def _shifted(signal: FloatArray, count: int) -> list[FloatArray]:
-    """A signal later by 0, 1, … samples, shape (n,) each."""
-    return [np.concatenate((np.zeros(lag), signal[: len(signal) - lag])) for lag in range(count)]
-
-
-@dataclass(frozen=True)
 class Baseline:
     """A fitted law with its gains, shape (gains,), and the last known seconds that its start is taken over."""
 
@@ -172,7 +113,7 @@ def fit_constant_velocity(windows: Sequence[Window]) -> Baseline:
 def fit_double_integrator(windows: Sequence[Window]) -> Baseline:
     """k and k α₀ by least squares over free runs of the windows."""
     law = DoubleIntegrator()
-    return Baseline(law, _gains(law, windows)[0])
+    return Baseline(law, _gains(law, windows))
 
 
 def fit_output_error(windows: Sequence[Window], order: int = 2, near: Baseline | None = None) -> Baseline:
@@ -181,16 +122,9 @@ def fit_output_error(windows: Sequence[Window], order: int = 2, near: Baseline |
     Args:
         near: a fit to most of these windows, from whose poles the search starts.
     """
-    fastest = _FASTEST / max(window.step for window in windows)
-    low, high = (_SLOWEST, -(_SLOWEST**2), _SLOWEST), (fastest, fastest**2, fastest)
-    if near is not None:
-        assert isinstance(near.law, OutputError)
-        law = _best_poles(windows, [near.law.poles], low[:order], high[:order])
-        return Baseline(law, _gains(law, windows)[0])
-    law = _best_poles(windows, _STARTS, low[:2], high[:2])
-    if order == 3:
-        law = _best_poles(windows, [(*law.poles, further) for further in _FURTHER_STARTS], low, high)
-    return Baseline(law, _gains(law, windows)[0])
+    known = None if near is None else near.law
+    assert known is None or isinstance(known, OutputError)
+    return Baseline(*fit_poles(windows, order, known))
 
 
 class Fitted(Protocol):
@@ -213,46 +147,19 @@ BLACK_BOXES = ("output_error_2", "output_error_3")
 """Of these, those that are fitted to the forecast and know no physics of a ball."""
 
 
-def _best_poles(
-    windows: Sequence[Window], starts: Sequence[tuple[float, ...]], low: Sequence[float], high: Sequence[float]
-) -> OutputError:
-    """The output-error model with the poles of least squares, searched for from each of `starts`."""
-
-    def residuals(poles: FloatArray) -> FloatArray:
-        return _gains(OutputError(tuple(map(float, poles))), windows)[1]
-
-    fits = [
-        least_squares(
-            residuals,
-            np.clip(start, low, high),
-            bounds=(low, high),
-            diff_step=[_DIFFERENCE] * len(start),
-            ftol=_CONVERGED,
-        )
-        for start in starts
-    ]
-    best = min(fits, key=lambda fit: float(fit.cost))
-    return OutputError(tuple(map(float, best.x)))
-
-
 def _with_memory(law: Law, windows: Sequence[Window]) -> Baseline:
     """A law without gains, with the memory of least squares over the predicted parts."""
     choices = [Baseline(law, np.empty(0), memory) for memory in _MEMORIES]
     return min(choices, key=lambda one: sum(window.rms_error(one.predict(window)) ** 2 for window in windows))
 
 
-def _gains(law: Law, windows: Sequence[Window]) -> tuple[FloatArray, FloatArray]:
-    """Gains by least squares, with an initial state per window, and the residuals, shape (readings,) [m]."""
+def _gains(law: Law, windows: Sequence[Window]) -> FloatArray:
+    """Gains by least squares, with an initial state per window."""
     projected = []
-    bases: dict[tuple[float, bytes, bytes], FloatArray] = {}  # windows with the same stamps have the same free response
     for window in windows:
         use = np.isfinite(window.reading)
-        stamps = window.step, window.stamps.tobytes(), use.tobytes()
-        if stamps not in bases:
-            bases[stamps] = np.linalg.qr(law.free(window)[use])[0]
+        Q = np.linalg.qr(law.free(window)[use])[0]
         columns = np.column_stack((law.driven(window), window.reading))[use]
-        projected.append(columns - bases[stamps] @ (bases[stamps].T @ columns))  # eliminates the initial state
+        projected.append(columns - Q @ (Q.T @ columns))  # eliminates the initial state
     readings = np.concatenate(projected)
-    A, y = readings[:, :-1], readings[:, -1]
-    gains = np.asarray(np.linalg.lstsq(A, y, rcond=None)[0], dtype=np.float64)
-    return gains, y - A @ gains
+    return np.asarray(np.linalg.lstsq(readings[:, :-1], readings[:, -1], rcond=None)[0], dtype=np.float64)
