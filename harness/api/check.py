@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness.api.case import Case, case_of, input_files
 from harness.api.diagnosis import input_hashes
-from harness.api.outputs import sealed_json, write_csv
+from harness.api.outputs import sealed_json, write_columns
 from harness.api.progress import shown
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.failures import Failures
@@ -177,8 +177,6 @@ class Check(Summarised):
         Raises:
             InputError: the folder cannot be written, or a file is in the way.
         """
-        import pandas as pd
-
         from harness.report.check import render_check
 
         folder = Path(folder)
@@ -187,7 +185,7 @@ class Check(Summarised):
         writing = all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force, supersede=True)
         with writing as scratch:
             if self.proposal is not None:
-                write_csv(pd.DataFrame(self.proposal.table()), scratch / NEXT_EXPERIMENT)
+                write_columns(self.proposal.table(), scratch / NEXT_EXPERIMENT)
             failures = Failures()
             (scratch / REPORT).write_text(render_check(self._subject(), failures), encoding="utf-8")
             told = {"failures": [str(one) for one in failures.all], "files": hashes_of(scratch)}

@@ -16,7 +16,7 @@ from harness.api.case import Case, case_of, input_files
 from harness.api.effects import Given, beside_catalogue, files_of
 from harness.api.effort import ask, diagnosis_time, expected
 from harness.api.memory import diagnosis_memory
-from harness.api.outputs import report_folder, write_csv
+from harness.api.outputs import report_folder, write_columns
 from harness.api.progress import shown
 from harness.api.saved import LoadedDiagnosis
 from harness.api.writing import all_or_nothing, hashes_of
@@ -119,19 +119,17 @@ class Diagnosis(LoadedDiagnosis):
 
     def _write(self, scratch: Path, folder: Path, jobs: int) -> None:
         """Into `scratch`, from where it gets into `folder`; the effects are beside the catalogue."""
-        import pandas as pd
-
         from harness.api.assemble import failure_records
         from harness.report.diagnosis import render_diagnosis
         from harness.report.page import render_page
 
         failures = Failures(self.found.failures)
         if self.found.next_experiment is not None:
-            write_csv(pd.DataFrame(self.found.next_experiment.table()), scratch / NEXT_EXPERIMENT)
+            write_columns(self.found.next_experiment.table(), scratch / NEXT_EXPERIMENT)
         for file, name in prediction_files(self.case).items():
-            table = attempt(failures, Part.PREDICTION, name, partial(self.predict, self.case.recordings[name]), None)
+            table = attempt(failures, Part.PREDICTION, name, partial(self._predicted, self.case.recordings[name]), None)
             if table is not None:
-                write_csv(table, scratch / file)
+                write_columns(table, scratch / file)
         page = attempt(
             failures,
             Part.REPORT,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pydantic_core
 
+from analytic.motion import FloatArray
 from harness.provenance import SEAL, seal_of
 from harness.recording.case import RIG_FILE, case_name
 
@@ -103,6 +104,11 @@ def sealed_json(content: Mapping[str, Any]) -> str:
 def write_csv(table: pd.DataFrame, file: Path) -> None:
     """Write columns of numbers with six decimals: micrometres, microradians, microseconds."""
     table.to_csv(file, index=False, float_format="%.6f")
+
+
+def write_columns(table: Mapping[str, FloatArray], file: Path) -> None:
+    """As `write_csv`, columns without gaps, shape (n,) each, for which importing pandas would take longer."""
+    np.savetxt(file, np.column_stack(list(table.values())), "%.6f", ",", header=",".join(table), comments="")
 
 
 def write_tables(study: Study, folder: Path, own: Mapping[str, Sequence[float]] = MappingProxyType({})) -> None:

@@ -130,10 +130,15 @@ class LoadedDiagnosis(Summarised):
             InputError: the recording cannot be used, the model names an effect that the catalogue does not have or has
                 numbers that no fit could have given, or positions come out that are not finite.
         """
+        import pandas as pd
+
+        return pd.DataFrame(self._predicted(recording))
+
+    def _predicted(self, recording: Recording | str | Path) -> dict[str, FloatArray]:
+        """The columns of `predict`."""
         sensors = self.sensors
         read = load_recording(recording, sensors=sensors) if isinstance(recording, str | Path) else recording
         import numpy as np
-        import pandas as pd
 
         try:
             with beside_catalogue(self._own):
@@ -146,7 +151,7 @@ class LoadedDiagnosis(Summarised):
             raise InputError(
                 f"{self.origin}: its model predicts positions of {read.path} that are not finite; diagnose anew"
             )
-        return pd.DataFrame(table)
+        return table
 
     def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
         """The columns of a prediction; the effects are beside the catalogue."""
