@@ -29,7 +29,9 @@ from harness.signals.linear_filter import recursion
 _SLOWEST, _FASTEST = -1.0, 4.0  # [1/s], [1 per step]
 _STARTS = ((0.0, 0.0), (1.0, 1.0))  # f₁ [1/s] and f₀ [1/s²]: the double integrator, and a damped oscillator
 _FURTHER_STARTS = (0.5, 10.0)  # decay of a third pole [1/s]: slower than the beam's motion, and faster
-_CONVERGED = 1e-6  # relative decrease of the sum of squares: half as much of the RMS error
+# Relative decrease of the sum of squares that ends a search: half as much of the RMS error. That of held-out blocks is
+# then within 0.2 % of what 1e-9 gives on measured recordings; flat valleys of order three leave up to 1 %.
+_CONVERGED = 1e-5
 _COMPLEX_STEP = 1e-20  # its square is lost in rounding, so that derivatives are exact
 
 
