@@ -15,6 +15,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -56,8 +57,11 @@ class MuJoCo(Engine[MuJoCoParameters]):
         """Steps through the grid; stops early if the run is invalid."""
         rig, grid = task.rig, task.grid
         with _quiet():
-            model = _load(rig, task.settings)
-            lift = _set_margin(self.name, model, rig, task.settings.margin, grid)
+            model, lift = _scene(rig, task.settings)
+            if lift is None:
+                failure = Failure.LEFT_GROOVE
+                text = f"the contacts are too soft to carry the ball; {failure.value}"
+                raise EngineFailure(self.name, failure, float(grid.time[0]), text)
             data = _place(model, task.first, float(grid.angle[0]), lift)
             log = _drive(model, data, task)
         track = track_of(rig, grid, log.pose[:, 1:4], spin_angle_of(log.pose[:, 6], log.pose[:, 4]))
@@ -110,6 +114,13 @@ def _quiet() -> Iterator[None]:
                 mujoco.set_mju_user_warning(_handler)
 
 
+@lru_cache(maxsize=8)  # a diagnosis runs one recording's windows one after another; no run changes a model
+def _scene(rig: Rig, settings: MuJoCoParameters) -> tuple[mujoco.MjModel, float | None]:
+    """The compiled scene, and what `_set_margin` returns."""
+    model = _load(rig, settings)
+    return model, _set_margin(model, rig, settings.margin)
+
+
 def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
     channel = rails_of(rig)
     scene = make_scene(rig, channel=channel, option=settings.option(rig), pair=settings.pair(rig), driven=True)
@@ -119,8 +130,10 @@ def _load(rig: Rig, settings: MuJoCoParameters) -> mujoco.MjModel:
     return model
 
 
-def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | None, grid: Grid) -> float:
+def _set_margin(model: mujoco.MjModel, rig: Rig, margin: float | None) -> float | None:
     """Sets the margin with which the contacts carry the ball at its declared height; returns the excess height [m].
+
+    `None` where the contacts are too soft to carry it.
 
     Without a margin the ball sinks into its soft contacts, by 0.2 µm at dt = 1 ms with our defaults and by 0.3 mm with
     MuJoCo's: that changes r, and s by 14 µm and by 16 mm in 10 s. A margin equal to that depth compensates it.
@@ -138,9 +151,7 @@ def _set_margin(engine: str, model: mujoco.MjModel, rig: Rig, margin: float | No
     while unbalanced(depth) <= 0.0:
         depth *= 10.0
         if depth > deepest:
-            failure = Failure.LEFT_GROOVE
-            text = f"the contacts are too soft to carry the ball; {failure.value}"
-            raise EngineFailure(engine, failure, float(grid.time[0]), text)
+            return None
     unbalanced(brentq(unbalanced, 0.0, depth, xtol=1e-15))
     sunk = -float(data.contact.dist.min())
     model.pair_margin[:] = sunk if margin is None else margin
