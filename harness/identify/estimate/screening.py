@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -109,9 +109,10 @@ def _one_step(
     before = residuals.deviance(start)
     predicted = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
     end, deviance = start + move, residuals.deviance(start + move)
-    if deviance > before:
+    if not deviance <= before:  # nor is it where the filter diverges, of which the deviance is not a number
         half = start + 0.5 * move
-        deviance, end = min((residuals.deviance(half), half), (before, start), key=itemgetter(0))
+        there = residuals.deviance(half)
+        deviance, end = (there, half) if there <= before else (before, start)
     covariance = information_inverse(problem, hypothesis, slopes)
     return ScreeningFit(start, end, predicted, residuals.process_noise, deviance, covariance)
 

@@ -38,12 +38,16 @@ class Residuals:
         return negative_two_log_likelihood(*self._predicted(theta))
 
     def jacobian(self, theta: FloatArray, step: FloatArray | float) -> FloatArray:
-        """Jacobian of `at` by forward differences over `step`, shape (k,) or one for all; shape (readings, k)."""
+        """Jacobian of `at` by forward differences over `step`, shape (k,) or one for all; shape (readings, k).
+
+        A step to where the filter diverges, and residuals are not numbers, tells no slope: its column is 0.
+        """
         here = self.at(theta)
         inside = (theta + step <= self._highest) & (theta + step >= self._lowest)
         moves = np.where(inside, step, -step)
         ends = list(enumerate(theta + np.diag(moves)))
-        return np.column_stack(in_threads(lambda end: self._rise(theta, end[1], end[0], here), ends)) / moves
+        slopes = np.column_stack(in_threads(lambda end: self._rise(theta, end[1], end[0], here), ends)) / moves
+        return np.where(np.all(np.isfinite(slopes), axis=0), slopes, 0.0)
 
     def jacobian_over(self, theta: FloatArray, reach: FloatArray) -> FloatArray:
         """Jacobian of `at` by differences over ± `reach`, shape (k,), within the bounds; shape (readings, k)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +124,23 @@ def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_pa
     (screened,) = screen(problem, hypothesis, base.process_noise, {}, without=base.deviance)
     # What a true zero gains is chi-squared with one degree of freedom: 6.6 in 99 %.
     assert abs(base.deviance - screened.deviance) < 6.6
+
+
+def test_a_screening_step_to_where_the_filter_diverges_is_not_taken(
+    plain: Posed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stay at the start where the deviance after the step, and after half of it, is not a number."""
+    original, starts = Residuals.deviance, list[FloatArray]()
+
+    def diverging(self: Residuals, theta: FloatArray) -> float:
+        if not starts:
+            starts.append(theta)
+        return original(self, theta) if np.array_equal(theta, starts[0]) else math.nan
+
+    monkeypatch.setattr(Residuals, "deviance", diverging)
+    (screened,) = screen(plain.problem, Hypothesis(("viscous_damping",)), 1e-5, {})
+    np.testing.assert_array_equal(screened.theta, screened.start)
+    assert math.isfinite(screened.deviance)
 
 
 def test_a_fit_that_least_squares_made_worse_is_returned_to(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,6 +50,23 @@ def test_columns_of_a_jacobian_are_differences_of_all_residuals(problem: Problem
     np.testing.assert_allclose(over, np.column_stack(both), rtol=1e-12, atol=1e-12)
 
 
+def test_a_step_to_where_the_filter_diverges_tells_no_slope(
+    problem: Problem, theta: FloatArray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Give a parameter whose difference is not a number a column of zeros, and the others theirs."""
+    residuals = Residuals(problem, HYPOTHESIS, PROCESS_NOISE)
+    plain = residuals.jacobian(theta, STEP)
+    rise = residuals._rise
+
+    def diverging(start: FloatArray, end: FloatArray, number: int, here: FloatArray | None = None) -> FloatArray:
+        return np.full(len(plain), np.nan) if number == 1 else rise(start, end, number, here)
+
+    monkeypatch.setattr(residuals, "_rise", diverging)
+    slopes = residuals.jacobian(theta, STEP)
+    assert not np.any(slopes[:, 1])
+    np.testing.assert_array_equal(np.delete(slopes, 1, axis=1), np.delete(plain, 1, axis=1))
+
+
 def test_work_of_a_jacobian_grows_with_the_number_of_recordings(
     problem: Problem, theta: FloatArray, monkeypatch: pytest.MonkeyPatch
 ) -> None:
