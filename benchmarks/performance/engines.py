@@ -63,13 +63,14 @@ def _task(engine: Engine[Any], seconds: float, force: BallForce | None = None) -
 
 def _ours(engine: Engine[Any], seconds: float, force: BallForce | None = None) -> None:
     stamps = np.arange(0.0, seconds, 0.01)
+    of_mujoco._scene.cache_clear()  # a run from the making of the scene on, as the loops are
     engine.run(Rig(), Swing(), _START, stamps, parameters=parameters_of(engine, {"time_step": _DT}), force=force)
 
 
 def _mujoco_scene(task: Task[Any]) -> tuple[Any, Any, FloatArray]:
     """Model, data at the start, and the beam's angular accelerations, shape (steps,) [rad/s²]."""
-    model = of_mujoco._load(task.rig, task.settings)
-    lift = of_mujoco._set_margin("mujoco", model, task.rig, task.settings.margin, task.grid)
+    model, lift = of_mujoco._scene.__wrapped__(task.rig, task.settings)
+    assert lift is not None
     data = of_mujoco._place(model, task.first, float(task.grid.angle[0]), lift)
     return model, data, np.diff(task.grid.rate, prepend=task.first.beam_rate) / _DT
 
