@@ -60,7 +60,7 @@ def broken(case: Path, harness: Harness, tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(diagnosis, "on_held_out", raising(ZeroDivisionError("division by zero")))
     monkeypatch.setattr(diagnosis, "compare_with_baselines", raising(FloatingPointError("overflow")))
     monkeypatch.setattr(diagnosis, "_next_experiment", raising(IndexError("list index out of range")))
-    monkeypatch.setattr(LoadedDiagnosis, "predict", raising(OSError("disk")))
+    monkeypatch.setattr(LoadedDiagnosis, "_predicted", raising(OSError("disk")))
     monkeypatch.setitem(SECTIONS, "residual_acceleration", raising(KeyError("angle")))
     return harness("diagnose", case, "--out", tmp_path / "out")
 
