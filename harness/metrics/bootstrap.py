@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ def rms_standard_error(errors: Sequence[FloatArray], *, seed: int = 0) -> float:
         pooled: FloatArray = np.sqrt(np.sum(squares, axis=axis) / np.sum(counts, axis=axis))
         return pooled
 
-    return float(np.std(_bootstrap((squares, counts), pooled_rms, RESAMPLES, seed), ddof=1))
+    return float(_bootstrap((squares, counts), pooled_rms, RESAMPLES, seed).standard_error)
 
 
 @dataclass(frozen=True)
@@ -77,18 +78,27 @@ def rms_reduction(before: FloatArray, after: FloatArray, chance: float = 0.05) -
 
 
 def _margin(before: FloatArray, after: FloatArray, reduction: Callable[..., FloatArray], chance: float) -> Margin:
-    drawn = _bootstrap((before, after), reduction, _MARGIN_RESAMPLES, 0)
-    low, high = np.percentile(drawn, (50.0 * chance, 100.0 - 50.0 * chance))
-    return Margin(float(reduction(before, after)), float(low), float(high))
+    found = _bootstrap((before, after), reduction, _MARGIN_RESAMPLES, 0, 1.0 - chance).confidence_interval
+    return Margin(float(reduction(before, after)), float(found.low), float(found.high))
 
 
 def _bootstrap(
-    samples: tuple[FloatArray, ...], statistic: Callable[..., FloatArray], resamples: int, seed: int
-) -> FloatArray:
-    """`statistic` of windows drawn with replacement, the same of all `samples`, shape (resamples,).
+    samples: tuple[FloatArray, ...],
+    statistic: Callable[..., FloatArray],
+    resamples: int,
+    seed: int,
+    level: float = 0.95,
+) -> Any:
+    """Scipy's result of a percentile bootstrap of `statistic` over windows, the same of all `samples`."""
+    from scipy import stats  # imported here because it takes as long as all other imports together
 
-    As `scipy.stats.bootstrap` draws them; but importing that package takes as long as all other imports together.
-    """
-    count = len(samples[0])
-    drawn = np.random.default_rng(seed).integers(0, count, (resamples, count))
-    return statistic(*(sample[drawn] for sample in samples), axis=-1)
+    return stats.bootstrap(
+        samples,
+        statistic,
+        paired=True,
+        vectorized=True,
+        method="percentile",
+        confidence_level=level,
+        n_resamples=resamples,
+        rng=np.random.default_rng(seed),
+    )

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from scipy.stats import bootstrap, norm
+from scipy.stats import norm
 
-from analytic.motion import FloatArray
-from harness.metrics.bootstrap import Margin, rms_reduction, rms_standard_error
+from harness.metrics.bootstrap import Margin, rms_reduction
 
 ERRORS = 0.01 * norm.ppf((np.arange(100) + 0.5) / 100)  # as normal errors fall, without their chance
 
@@ -52,25 +49,3 @@ def test_windows_are_compared_in_pairs() -> None:
 def test_a_margin_that_begins_at_zero_is_not_sure() -> None:
     """Ask for more than nothing."""
     assert not Margin(0.01, 0.0, 0.02).sure
-
-
-def test_the_bootstrap_is_that_of_scipy() -> None:
-    """Give the interval and the standard error of `scipy.stats.bootstrap` from the same draws."""
-    rng = np.random.default_rng(1)
-    before, after = rng.normal(size=(2, 14))
-
-    def rms_of(errors: FloatArray, axis: int) -> FloatArray:
-        return np.sqrt(np.mean(errors**2, axis=axis))
-
-    def reduction(one: FloatArray, other: FloatArray, axis: int) -> FloatArray:
-        return rms_of(one, axis) - rms_of(other, axis)
-
-    def scipys(data: tuple[FloatArray, ...], statistic: Any, resamples: int) -> Any:
-        return bootstrap(
-            data, statistic, paired=True, method="percentile", n_resamples=resamples, rng=np.random.default_rng(0)
-        )
-
-    found, told = rms_reduction(before, after), scipys((before, after), reduction, 9999).confidence_interval
-    assert (found.low, found.high) == pytest.approx((told.low, told.high), rel=1e-12)
-    alone = scipys((before,), rms_of, 2000).standard_error
-    assert rms_standard_error(list(before[:, None])) == pytest.approx(alone, rel=1e-12)

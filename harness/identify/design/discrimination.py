@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
+from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
 from harness.identify.design.closed_loop import SimulatedRun, repeated
@@ -21,7 +22,6 @@ from harness.identify.filter.ekf import penalty
 from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import PHASE, Terms
 from harness.identify.problem.problem import Problem
-from harness.signals.linear_filter import linear_filter
 
 _STEP = 1e-2  # of finite differences, in scaled parameters
 _SHARES = (1.0, 0.5, 0.25)  # of a Gauss–Newton step, tried until one lowers the deviance
@@ -67,7 +67,7 @@ class SteadyFilters:
 
     def filtered(self, innovations: FloatArray) -> FloatArray:
         """Innovations at the process noise of `open`, shape (n, c), transformed to every density, shape (d, n, c)."""
-        return np.array([linear_filter(self.open, poles, innovations) for poles in self.poles])
+        return np.array([lfilter(self.open, poles, innovations, axis=0) for poles in self.poles])
 
     def deviance(self, innovations: FloatArray) -> float:
         """Lowest deviance over the densities minus that of the true filter, of mean innovations, shape (n,) [m]."""

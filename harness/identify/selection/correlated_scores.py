@@ -11,6 +11,7 @@ blocks of time (Liang and Zeger, Biometrika 73, 1986).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ def without_correlated(problem: Problem, found: Fit, ledger: Ledger, progress: P
     names = selected_effects(problem, found)
     if not names or found.hypothesis.spline is not None:
         return found
-    weights = {name: score_weight(problem, found, name) for name in names}
+    weights = score_weights(problem, found, names)
     for name in sorted(names, key=lambda name: -weights[name]):
         if weights[name] == 1.0:
             break
@@ -48,14 +49,11 @@ def without_correlated(problem: Problem, found: Fit, ledger: Ledger, progress: P
     return found
 
 
-def score_weight(problem: Problem, found: Fit, name: str) -> float:
-    """Mean weight of the χ² distribution of an effect's likelihood ratio; 1 unless it is surely larger [1].
+def score_weights(problem: Problem, found: Fit, names: Sequence[str]) -> dict[str, float]:
+    """Mean weight of the χ² distribution of each effect's likelihood ratio; 1 unless it is surely larger [1].
 
     1 for an effect whose values differ between recordings, which has too few blocks for each.
     """
-    at = [i for i, (effect, _) in enumerate(found.hypothesis.parameters) if effect == name]
-    if not at:
-        return 1.0
     residuals = Residuals(problem, found.hypothesis, found.process_noise)
     slopes, smoothness = residuals.jacobian(found.theta, FINE_STEP), found.hypothesis.smoothness(problem)
     block = _blocks(problem)
@@ -63,11 +61,18 @@ def score_weight(problem: Problem, found: Fit, name: str) -> float:
     np.add.at(scores, block, slopes * residuals.at(found.theta)[:, None])
     supposed = np.linalg.pinv(slopes.T @ slopes + smoothness.T @ smoothness)
     true = supposed @ scores.T @ scores @ supposed
-    each = np.ix_(at, at)
-    weight = float(np.trace(np.linalg.pinv(supposed[each]) @ true[each])) / len(at)
-    # of a variance that is estimated from so many sums
-    error = math.sqrt(2.0 / (len(scores) * len(at)))
-    return weight if weight > 1.0 + _BY_CHANCE * error else 1.0
+
+    def weight(name: str) -> float:
+        at = [i for i, (effect, _) in enumerate(found.hypothesis.parameters) if effect == name]
+        if not at:
+            return 1.0
+        each = np.ix_(at, at)
+        mean = float(np.trace(np.linalg.pinv(supposed[each]) @ true[each])) / len(at)
+        # of a variance that is estimated from so many sums
+        error = math.sqrt(2.0 / (len(scores) * len(at)))
+        return mean if mean > 1.0 + _BY_CHANCE * error else 1.0
+
+    return {name: weight(name) for name in names}
 
 
 def _blocks(problem: Problem) -> NDArray[np.int64]:

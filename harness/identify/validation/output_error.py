@@ -17,11 +17,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dtbtrs
 from scipy.optimize import least_squares
 
 from analytic.motion import FloatArray
 from harness.identify.problem.windows import Window
-from harness.signals.linear_filter import recursion
 
 # Bounds of F, as λ² + f₁ λ + f₀ = 0 with λ = ln(z)/T: growth by at most e in a second, three times that of a ball on
 # the softest beam measured, since a fit that grows by more predicts kilometres; decay within one or two readings;
@@ -174,11 +174,14 @@ class _Stack:
     def filtered(self, F: FloatArray, signals: FloatArray) -> FloatArray:
         """1/F(q) of signals, shape (n, c), from rest at the begin of every window: nothing passes to the next one.
 
+        As a triangular system with bands: F differs where sampling intervals do.
+
         Args:
             F: coefficients at every sample, shape (n, order + 1).
         """
         band = np.where(self.after >= np.arange(F.shape[1])[:, None], F.T, 0.0)
-        return recursion(band, signals)
+        solved: FloatArray = dtbtrs(band, signals, uplo="L", diag="U")[0]
+        return solved
 
     def at_stamps(self, signals: FloatArray) -> FloatArray:
         """Signals on the grids, shape (n, c), interpolated at the stamps, shape (w, m, c); 0 where there is none."""

@@ -11,7 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.correlated_scores import score_weight, without_correlated
+from harness.identify.selection.correlated_scores import score_weights, without_correlated
 from harness.identify.selection.criterion import Criterion, Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from tests.identify.selection.made import PRICE, made
@@ -33,7 +33,7 @@ def on_worn_track(problem: Problem, phase: float) -> Problem:
 @pytest.mark.parametrize("name", [GAIN, "viscous_damping", "track_curvature"])
 def test_scores_of_a_complete_model_are_not_correlated(plain: Posed, name: str) -> None:
     """Weigh a gain as the likelihood does where innovations are independent."""
-    assert score_weight(plain.problem, fit(plain.problem, Hypothesis((name,))), name) == 1.0
+    assert score_weights(plain.problem, fit(plain.problem, Hypothesis((name,))), [name]) == {name: 1.0}
 
 
 @pytest.mark.parametrize("phase", [0.0, 2.0, 4.0])
@@ -41,7 +41,7 @@ def test_a_worn_track_correlates_the_score_of_a_gain(plain: Posed, phase: float)
     """See that the gain of positions is less sure by far than the likelihood says: passes repeat the track's error."""
     problem = on_worn_track(plain.problem, phase)
     # Some eight passes in 32 s, each with the same error: a variance that is as many times as large, at least.
-    assert score_weight(problem, fit(problem, Hypothesis((GAIN,))), GAIN) > 8.0
+    assert score_weights(problem, fit(problem, Hypothesis((GAIN,))), [GAIN])[GAIN] > 8.0
 
 
 def test_an_effect_that_correlated_scores_feign_is_taken_back(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,7 +50,7 @@ def test_an_effect_that_correlated_scores_feign_is_taken_back(plain: Posed, monk
     found = fit(problem, Hypothesis((GAIN, "viscous_damping")))
     weights = {GAIN: 3.0, "viscous_damping": 1.0}
     monkeypatch.setattr(
-        "harness.identify.selection.correlated_scores.score_weight", lambda problem, found, name: weights[name]
+        "harness.identify.selection.correlated_scores.score_weights", lambda problem, found, names: weights
     )
     ledger = Ledger(Criterion(problem.settings))
     left: Fit = without_correlated(problem, found, ledger, lambda _: None)
