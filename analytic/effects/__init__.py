@@ -4,6 +4,7 @@ from analytic.effects.ball import BALL_IMBALANCE, CONTACT_SLIP, ECCENTRIC_PIVOT,
 from analytic.effects.catalogue import (
     CATALOGUE,
     acting,
+    followers_with,
     joined,
     motion_with,
     parameters_with,
@@ -20,7 +21,7 @@ from analytic.effects.drive import (
     LINKAGE_BACKLASH,
     beam_in_play,
 )
-from analytic.effects.effect import Acting, Effect, EngineEntry, Relations, Transmission
+from analytic.effects.effect import Acting, Effect, EngineEntry, Follower, Relations, Transmission
 from analytic.effects.force import EffectError, Force
 from analytic.effects.parameter import Parameter
 from analytic.effects.resistance import (
@@ -74,6 +75,7 @@ __all__ = [
     "Effect",
     "EffectError",
     "EngineEntry",
+    "Follower",
     "Force",
     "Parameter",
     "PositionError",
@@ -82,6 +84,7 @@ __all__ = [
     "Transmission",
     "acting",
     "beam_in_play",
+    "followers_with",
     "joined",
     "motion_with",
     "parameters_with",

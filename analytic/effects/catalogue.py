@@ -13,7 +13,7 @@ import numpy as np
 from analytic import slots
 from analytic.effects.ball import BALL
 from analytic.effects.drive import DRIVE, transmitted
-from analytic.effects.effect import Acting, Effect, Transmission
+from analytic.effects.effect import Acting, Effect, Follower, Transmission
 from analytic.effects.force import EffectError
 from analytic.effects.parameter import Limits, Parameter
 from analytic.effects.resistance import RESISTANCES
@@ -26,6 +26,7 @@ from analytic.naming import did_you_mean
 from analytic.rig import Rig
 
 _EFFECTS = {effect.name: effect for effect in (*RESISTANCES, *TRACK, *BALL, *DRIVE, *SENSOR)}
+_LEAST_LAG = 1e-5  # [s]: a shorter one lets an error pass as it is
 CATALOGUE: Mapping[str, Effect] = MappingProxyType(_EFFECTS)
 
 
@@ -133,6 +134,12 @@ def transmission_with(effects: Iterable[Acting]) -> Transmission:
             each = one.effect.transmission(one.values)
             gain, play = gain * each.gain, play + each.play
     return Transmission(gain, play)
+
+
+def followers_with(effects: Iterable[Acting]) -> tuple[Follower, ...]:
+    """How an error of the angle passes through those of `effects` that smooth it, one behind the other."""
+    each = (one.effect.follower(one.values) for one in effects if one.effect.follower is not None)
+    return tuple(follower for follower in each if follower.lag >= _LEAST_LAG)
 
 
 def motion_with(motion: BeamMotion, stamps: FloatArray, effects: Iterable[Acting]) -> BeamMotion:

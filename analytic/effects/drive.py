@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
-from analytic.effects.effect import Effect, Relations, Transmission
+from analytic.effects.effect import Effect, Follower, Relations, Transmission
 from analytic.effects.following import CurvedMotion, held, lagged
 from analytic.effects.parameter import Parameter
 from analytic.effects.sensor import CHANNEL_DELAY
@@ -16,6 +16,7 @@ from analytic.effects.servo import behind_servo
 from analytic.effects.source_code import Code
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
+_DAMPED = 0.1  # root of the `square` of a follower over its lag, of one that follows as a first-order lag does
 _PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder
 
 
@@ -131,6 +132,7 @@ ANGLE_LAG = Effect(
     ),
     "first-order low pass",
     turn=lambda motion, stamps, values: lagged(motion, stamps, values["time_constant"]),
+    follower=lambda values: Follower(values["time_constant"], (_DAMPED * values["time_constant"]) ** 2),
     code=Code(stage="lag"),
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
     relations=Relations(once=True),
@@ -145,6 +147,7 @@ ANGLE_SERVO = Effect(
     ),
     "position servo of second order: Franklin, Powell, Emami-Naeini, Feedback Control of Dynamic Systems, chapter 3",
     turn=lambda motion, stamps, values: behind_servo(motion, stamps, values["lag"], values["damping"]),
+    follower=lambda values: Follower(values["lag"], (0.5 * values["lag"] / values["damping"]) ** 2),
     code=Code(stage="servo"),
     phrase="a servo that follows the recorded angle {lag} late, with a damping ratio of {damping}",
     relations=Relations(once=True, splits_into=(ANGLE_LAG, CHANNEL_DELAY)),
@@ -170,6 +173,8 @@ ANGLE_HOLD = Effect(
     (Parameter("interval", "s", 0.0, 0.5, 0.1, starts=(0.05,), strength=True, shown=("ms", 1e3)),),
     "zero-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, 1998, chapter 4",
     turn=lambda motion, stamps, values: held(motion, stamps, values["interval"]),
+    # (1 − e^(−Tp))/(Tp) = 1/(1 + Tp/2 + (Tp)²/12) up to (Tp)⁴
+    follower=lambda values: Follower(0.5 * values["interval"], values["interval"] ** 2 / 12.0),
     code=Code(stage="hold"),
     phrase="a beam that holds its angle in steps of {interval}",
     relations=Relations(once=True),

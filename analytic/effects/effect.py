@@ -54,6 +54,14 @@ class Transmission:
 
 
 @dataclass(frozen=True)
+class Follower:
+    """How a small change e of the angle reaches a beam that follows it: `square` b̈ + `lag` ḃ + b = e [s², s]."""
+
+    lag: float
+    square: float
+
+
+@dataclass(frozen=True)
 class Relations:
     """How an effect stands to others, to the rig and to the baseline.
 
@@ -105,6 +113,7 @@ class Effect:
         alter: changes a quantity of the rig.
         transmission: gain and play between measured angle and beam.
         turn: changes the beam's motion in any other way, which moves in closed loop do not foresee.
+        follower: of a `turn` that smooths, how an error of the angle reaches the beam; without, as it is.
         tilting: rate at which the whole rig tilts from the start of a recording on [rad/s].
         sensor: gain, lag and delay of what is recorded of the position.
         dry: whether it is a set-valued friction, which needs the ball's stop within a step.
@@ -125,6 +134,7 @@ class Effect:
     write: Write | None = None
     alter: Alter | None = None
     turn: Turn | None = None
+    follower: Callable[[Values], Follower] | None = None
     tilting: Callable[[Values], float] | None = None
     dry: bool = False
     force: Force | None = None

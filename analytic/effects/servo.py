@@ -84,7 +84,7 @@ class ServoMotion:
 
 
 @njit(cache=True)
-def _swung(value: float, rate: float, time: float, lag: float, square: float) -> tuple[float, float]:
+def swung(value: float, rate: float, time: float, lag: float, square: float) -> tuple[float, float]:
     """y [rad] and ẏ [rad/s], which are `value` and `rate` at first, after `time` [s]: `square` ÿ + `lag` ẏ + y = 0."""
     decay = 0.5 * lag / square
     apart = decay * decay - 1.0 / square  # of the two exponents, its square
@@ -106,7 +106,7 @@ def _carry(jumps: FloatArray, gaps: FloatArray, lag: float, square: float, left:
     """Fill `left`, shape (n, 2): each is what is left of the one before after its gap, and its jump."""
     left[0] = jumps[0]
     for n in range(1, len(left)):
-        value, rate = _swung(left[n - 1, 0], left[n - 1, 1], gaps[n - 1], lag, square)
+        value, rate = swung(left[n - 1, 0], left[n - 1, 1], gaps[n - 1], lag, square)
         left[n, 0], left[n, 1] = value + jumps[n, 0], rate + jumps[n, 1]
 
 
@@ -132,7 +132,7 @@ def _follow(
             bend = bend * t + 2.0 * slope
             slope = slope * t + value
             value = value * t + settled[row, piece]
-        y, rate = _swung(left[piece, 0], left[piece, 1], t, lag, square)
+        y, rate = swung(left[piece, 0], left[piece, 1], t, lag, square)
         out[i, 0], out[i, 1], out[i, 2] = value + y, slope + rate, bend - (y + lag * rate) / square
 
 

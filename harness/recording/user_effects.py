@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from analytic.effects import CATALOGUE, Effect, EffectError, Force, SensorLaw, Transmission, joined
+from analytic.effects import CATALOGUE, Effect, EffectError, Follower, Force, SensorLaw, Transmission, joined
 from analytic.effects.force import Values
 from analytic.motion import FloatArray
 from analytic.rig import Rig
@@ -31,6 +31,7 @@ _GIVES: dict[str, type | None] = {
     "write": None,
     "alter": Rig,
     "turn": None,
+    "follower": Follower,
     "tilting": float,
     "transmission": Transmission,
     "sensor": SensorLaw,

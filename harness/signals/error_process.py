@@ -27,7 +27,6 @@ from harness.signals.spline_smoother import Smoothed
 # Root of K = [1/20 1/8 1/6; 1/8 1/3 1/2; 1/6 1/2 1] in Q = density · h · diag(h², h, 1) K diag(h², h, 1).
 _ROOT = np.linalg.cholesky(np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]]))
 _ROOT_INVERSE = np.linalg.inv(_ROOT)
-PIVOT = 1e-12  # smallest pivot of a covariance, over its variances: no less than what rounding leaves
 
 
 class ErrorProcess(NamedTuple):
@@ -146,18 +145,3 @@ def _recur(
         T, U = information @ M, L.T @ information @ M
         before = F.T @ (M.T @ T + U.T @ U) @ F
         information[:] = 0.5 * (before + before.T)
-
-
-@njit(cache=True)
-def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
-    """Cholesky factor of a 3 × 3 covariance whose entries span decades, into L from row and column `first` on."""
-    for i in range(3):
-        for j in range(i + 1):
-            total = covariance[i, j]
-            for a in range(j):
-                total -= L[first + i, first + a] * L[first + j, first + a]
-            if i == j:
-                L[first + i, first + i] = math.sqrt(max(total, PIVOT * covariance[i, i]))
-            else:
-                root = L[first + j, first + j]
-                L[first + i, first + j] = total / root if root > 0.0 else 0.0

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from analytic.compiled import njit
 from analytic.effects import beam_in_play
 from analytic.motion import BeamMotion, FloatArray
-from harness.signals.error_process import PIVOT, ErrorProcess, root_of
+from harness.signals.error_process import ErrorProcess
+from harness.signals.triangular_roots import PIVOT, root_of
 
 _BEGINS = np.linspace(-1.0, 1.0, 65)[1::2]  # where a beam may begin within its gap, of half its width [1]
 _MET = 1e-9  # of the gap: below, beams that began at its two ends are one

@@ -29,7 +29,8 @@ from harness.identify.filter.arguments import (
     weighted,
 )
 from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
-from harness.signals.error_process import ErrorProcess, root_of
+from harness.signals.error_process import ErrorProcess
+from harness.signals.triangular_roots import root_of, triangular
 
 # Indices of e and of the coloured noise c in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, c).
 _ERROR, _COLOUR = 4, 7
@@ -133,7 +134,7 @@ def any_state(
                         nudged[states[i]] += SHIFT * bend
                 moved[:] = nudged
             x[:] = moved
-            _triangular(M, L)
+            triangular(M, L)
         if not math.isnan(position[k]):
             if begun:
                 expected, slope = reading_of(x[sensed], sensor, p)
@@ -230,7 +231,7 @@ def _read(
         x[states[i]] += gain / S * e
         for j in range(size):
             M[i, j] = (L[i, j] if j <= i else 0.0) - shrink * gain * f[j]
-    _triangular(M, L)
+    triangular(M, L)
 
 
 @njit(cache=True)
@@ -242,28 +243,3 @@ def _product(F: FloatArray, L: FloatArray, M: FloatArray) -> None:
             M[i, j] = 0.0
             for c in range(j, size):
                 M[i, j] += F[i, c] * L[c, j]
-
-
-@njit(cache=True)
-def _triangular(M: FloatArray, L: FloatArray) -> None:
-    """Replace L, shape (m, m), by the triangular root of M Mᵀ, by modified Gram–Schmidt on the rows of M.
-
-    Args:
-        M: shape (m, n), n >= m: F L with the Jacobian F of the step, roots of noise and of second differences;
-            overwritten.
-    """
-    size, wide = M.shape
-    for i in range(size):
-        for j in range(i):
-            L[i, j] = 0.0
-            for c in range(wide):
-                L[i, j] += M[i, c] * M[j, c]
-            for c in range(wide):
-                M[i, c] -= L[i, j] * M[j, c]
-        square = 0.0
-        for c in range(wide):
-            square += M[i, c] ** 2
-        L[i, i] = math.sqrt(square)
-        inverse = 1.0 / L[i, i] if square > 0.0 else 0.0
-        for c in range(wide):
-            M[i, c] *= inverse

@@ -25,7 +25,8 @@ from harness.identify.filter.arguments import (
     weighted,
 )
 from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points
-from harness.signals.error_process import ErrorProcess, root_of
+from harness.signals.error_process import ErrorProcess
+from harness.signals.triangular_roots import root_of
 
 _WIDTH = 10  # of the compound root: five states, two numbers of process noise, three of the error's
 

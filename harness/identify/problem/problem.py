@@ -9,7 +9,16 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.effects import Acting, SensorLaw, Transmission, motion_with, sensor_with, transmission_with
+from analytic.effects import (
+    Acting,
+    Follower,
+    SensorLaw,
+    Transmission,
+    followers_with,
+    motion_with,
+    sensor_with,
+    transmission_with,
+)
 from analytic.kernel import Grid
 from analytic.models import CAM, Model
 from analytic.motion import DelayedMotion, FloatArray, ScaledMotion
@@ -19,6 +28,7 @@ from harness.numerics import evenly_chosen
 from harness.preparation.recordings import Observed
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
+from harness.signals.follower_error import behind_follower
 from harness.signals.play_error import behind_play
 from harness.signals.rests import with_shared_rounding
 
@@ -143,14 +153,17 @@ class PreparedRecording:
         return self.error if self.drive.inflation is None else self._at_stamps(self.drive.shared_error)
 
     @cached_property
-    def _behind_play(self) -> Callable[[Transmission, float, bool], ErrorProcess]:
-        """`error`, or `shared_error`, behind a play; the latest are kept, as tables are."""
+    def _behind(self) -> Callable[[Transmission, tuple[Follower, ...], float, bool], ErrorProcess]:
+        """`error`, or `shared_error`, behind a play and what smooths it; the latest are kept, as tables are."""
 
-        def behind(through: Transmission, delay: float, shared: bool) -> ErrorProcess:
-            error = self.drive.shared_error if shared else self.drive.error
-            angle = ScaledMotion(self.drive, through.gain)
-            made = behind_play(error.scaled(through.gain), angle, self.drive.time, through.play, delay)
-            return self._at_stamps(made)
+        def behind(through: Transmission, followers: tuple[Follower, ...], delay: float, shared: bool) -> ErrorProcess:
+            stamps = self.drive.time
+            error = (self.drive.shared_error if shared else self.drive.error).scaled(through.gain)
+            if through.play > 0.0:
+                error = behind_play(error, ScaledMotion(self.drive, through.gain), stamps, through.play, delay)
+            for follower in followers:
+                error = behind_follower(error, stamps, follower)
+            return self._at_stamps(error)
 
         return lru_cache(maxsize=_TABLES)(behind)
 
@@ -164,11 +177,12 @@ class PreparedRecording:
         """`error`, or `shared_error`, of the beam's angle, where `effects` stand between it and the measured one.
 
         To first order: a gain multiplies the error, and what a delay of the position shifts it by is short against the
-        time over which its variance changes. Behind a play it is another one (`behind_play`).
+        time over which its variance changes. Behind a play or a lag it is another one (`behind_play`,
+        `behind_follower`).
         """
-        through = transmission_with(effects)
-        if through.play > 0.0:
-            return self._behind_play(through, sensor_with(effects).delay, shared)
+        through, followers = transmission_with(effects), followers_with(effects)
+        if through.play > 0.0 or followers:
+            return self._behind(through, followers, sensor_with(effects).delay, shared)
         error = self.shared_error if shared else self.error
         return error if through.gain == 1.0 else error.scaled(through.gain)
 
