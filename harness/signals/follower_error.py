@@ -1,9 +1,10 @@
 """The error of the angle of a beam that follows the measured one with a lag, as a Gauss–Markov process.
 
 Behind T₂ b̈ + T ḃ + b = e the error e of the measured angle is smoothed: rounding that changes from count to count
-hardly reaches the beam. Between two stamps e is taken for the quintic of (e, ė, ë) at both, as the angle itself is. Then
-b and ḃ at the later stamp are linear in those and in b and ḃ at the earlier one, and (e, ė, ë, b, ḃ) is a Gauss–Markov
-process. That of (b, ḃ, b̈) alone is the one with the same covariances at each stamp and between neighbouring ones.
+hardly reaches the beam. Between two stamps e is taken for the quintic of (e, ė, ë) at both, as the angle itself is.
+Then b and ḃ at the later stamp are linear in those and in b and ḃ at the earlier one, and (e, ė, ë, b, ḃ) is a
+Gauss–Markov process. That of (b, ḃ, b̈) alone is the one with the same covariances at each stamp and between
+neighbouring ones.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _AT_BEGIN, _AT_END = np.array([each[0] for each in _ORDERS]), np.array([each.sum
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _POINTS, _SHARES = 0.5 * (1.0 + _ROOTS), 0.5 * _WEIGHTS
 _AT_POINTS = np.vander(_POINTS, 6, increasing=True) @ _QUINTIC
-_LONG = 5.0  # lag over step, above which these points integrate the response, and below which its series is well behaved
+_LONG = 5.0  # lag over step, above which these points integrate the response; below it the series behaves well
 _ALIKE = 1e-9  # steps that differ by less are one [s]
 _LEAST = 1e-8  # part of a number of the state that the ones before do not tell, below which it is rounding [1]
 
@@ -72,9 +73,10 @@ def _respond(h: float, lag: float, square: float, out: FloatArray) -> None:
         factor, after = 1.0, -lag
         for order in range(6):
             for c in range(6):
-                at, left, left_rate = c if c < 3 else c + 2, factor * _AT_BEGIN[order, c], factor * _AT_BEGIN[order + 1, c]
-                out[0, at] += factor * _AT_END[order, c] - value * left - by_rate * left_rate
-                out[1, at] += factor * _AT_END[order + 1, c] - rate * left - rate_by_rate * left_rate
+                at = c if c < 3 else c + 2
+                left, left_rate = _AT_BEGIN[order, c], _AT_BEGIN[order + 1, c]
+                out[0, at] += factor * (_AT_END[order, c] - value * left - by_rate * left_rate)
+                out[1, at] += factor * (_AT_END[order + 1, c] - rate * left - rate_by_rate * left_rate)
             factor, after = after, -lag * after - square * factor
     scale = 1.0
     for c in range(3):

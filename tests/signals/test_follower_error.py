@@ -114,4 +114,5 @@ def test_an_angle_that_is_known_exactly_moves_a_beam_that_is(drive: Drive) -> No
     known = ErrorProcess(np.zeros((n, 3, 3)), drive.error.transition, np.zeros((n - 1, 3, 3)))
     made = behind_follower(known, TIME, Follower(0.1, 0.004))
     assert all(np.isfinite(part).all() for part in made)
-    assert not made.covariance.any() and not made.root.any()
+    assert not made.covariance.any()
+    assert not made.root.any()
