@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.signal import StateSpace, lsim
+from scipy.signal import cont2discrete, lfilter
 
 from analytic.effects import ANGLE_HOLD, ANGLE_LAG, ANGLE_SERVO, Follower
 from analytic.motion import FloatArray
@@ -35,14 +35,10 @@ def errors(drive: Drive) -> FloatArray:
 
 def followed(errors: FloatArray, transfer: list[float]) -> FloatArray:
     """Those of a beam behind 1/(transfer₀ p² + transfer₁ p + 1), at the stamps, shape (n, draws) [rad]."""
-    fine = np.linspace(TIME[0], TIME[-1], len(errors))
-    square, lag = transfer
-    system = (
-        StateSpace([[-1.0 / lag]], [[1.0 / lag]], [[1.0]], [[0.0]])
-        if square == 0.0
-        else StateSpace([[0.0, 1.0], [-1.0 / square, -lag / square]], [[0.0], [1.0 / square]], [[1.0, 0.0]], [[0.0]])
-    )
-    return np.array([lsim(system, each, fine)[1][::FINE] for each in errors.T]).T
+    step = (TIME[1] - TIME[0]) / FINE
+    denominator = transfer if transfer[0] else transfer[1:]
+    over, under, _ = cont2discrete(([1.0], [*denominator, 1.0]), step, method="foh")
+    return lfilter(np.ravel(over), under, errors, axis=0)[::FINE]
 
 
 def lag_one(error: ErrorProcess) -> FloatArray:
