@@ -16,7 +16,6 @@ from analytic.effects.servo import behind_servo
 from analytic.effects.source_code import Code
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
 
-_DAMPED = 0.1  # root of the `square` of a follower over its lag, of one that follows as a first-order lag does
 _PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder
 
 
@@ -132,7 +131,7 @@ ANGLE_LAG = Effect(
     ),
     "first-order low pass",
     turn=lambda motion, stamps, values: lagged(motion, stamps, values["time_constant"]),
-    follower=lambda values: Follower(values["time_constant"], (_DAMPED * values["time_constant"]) ** 2),
+    follower=lambda values: Follower(values["time_constant"]),
     code=Code(stage="lag"),
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
     relations=Relations(once=True),

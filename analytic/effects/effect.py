@@ -6,6 +6,7 @@ Whoever needs a fact of an effect of the catalogue asks its `Effect`, and nobody
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -55,10 +56,18 @@ class Transmission:
 
 @dataclass(frozen=True)
 class Follower:
-    """How a small change e of the angle reaches a beam that follows it: `square` b̈ + `lag` ḃ + b = e [s², s]."""
+    """How a small change e of the angle reaches a beam that follows it: `square` b̈ + `lag` ḃ + b = e [s², s].
+
+    Raises:
+        EffectError: one is negative or no number: no beam would settle.
+    """
 
     lag: float
-    square: float
+    square: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.lag) and math.isfinite(self.square) and self.lag >= 0.0 and self.square >= 0.0):
+            raise EffectError(f"a follower with the lag {self.lag:g} s and the square {self.square:g} s²: none below 0")
 
 
 @dataclass(frozen=True)

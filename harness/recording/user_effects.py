@@ -119,7 +119,7 @@ def _checked(file: Path, effect: Effect) -> Effect:
     for values in every:
         if effect.alter is not None:
             guarded["alter"](Rig(), values)
-        for name in {"tilting", "transmission"} & guarded.keys():
+        for name in {"tilting", "transmission", "follower"} & guarded.keys():
             guarded[name](values)
     if effect.force is not None:
         law = _guarded(file, effect.name, effect.force.law)

@@ -39,6 +39,7 @@ _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _POINTS, _SHARES = 0.5 * (1.0 + _ROOTS), 0.5 * _WEIGHTS
 _AT_POINTS = np.vander(_POINTS, 6, increasing=True) @ _QUINTIC
 _LONG = 5.0  # lag over step, above which these points integrate the response; below it the series behaves well
+_DAMPED = 0.1  # least root of `square` over lag: what is quicker is a first-order lag here
 _ALIKE = 1e-9  # steps that differ by less are one [s]
 _LEAST = 1e-8  # part of a number of the state that the ones before do not tell, below which it is rounding [1]
 
@@ -50,7 +51,8 @@ def behind_follower(error: ErrorProcess, stamps: FloatArray, follower: Follower)
         error: of the angle that is followed, at the stamps, shape (n,) [s].
     """
     made = ErrorProcess(*(np.empty_like(part) for part in error))
-    _pass_on(np.diff(stamps), *error, follower.lag, follower.square, *made)
+    square = max(follower.square, (_DAMPED * follower.lag) ** 2)
+    _pass_on(np.diff(stamps), *error, follower.lag, square, *made)
     return made
 
 

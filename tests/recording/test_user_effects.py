@@ -205,7 +205,7 @@ def test_settings_that_a_file_makes_end_with_it(tmp_path: Path) -> None:
     assert (np.geterr(), list(warnings.filters)) == before
 
 
-SENSOR = HEAD.replace("Force", "Force, SensorLaw") + OWN.replace("force={force}", "sensor={sensor}")
+SENSOR = HEAD.replace("Force", "Follower, Force, SensorLaw") + OWN.replace("force={force}", "sensor={sensor}")
 
 
 def test_an_effect_may_act_on_the_sensor(tmp_path: Path) -> None:
@@ -242,6 +242,14 @@ def test_a_sensor_that_cannot_be_is_refused(tmp_path: Path, law: str, message: s
         ("alter=lambda rig, values: None", "alter gives None. Let it give a Rig"),
         ("tilting=lambda values: 'a'", "tilting gives 'a'. Let it give a float"),
         ("transmission=lambda values: 1.0", "transmission gives 1.0. Let it give a Transmission"),
+        (
+            "turn=lambda motion, stamps, values: motion, follower=lambda values: 0.1",
+            "follower gives 0.1. Let it give a Follower",
+        ),
+        (
+            "turn=lambda motion, stamps, values: motion, follower=lambda values: Follower(values['size'])",
+            "line 8: mine: a follower with the lag -1 s .* none below 0",
+        ),
         ("sensor=lambda values: SensorLaw(gain='a')", "TypeError: must be real number, not str"),
     ],
 )

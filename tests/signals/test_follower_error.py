@@ -97,7 +97,7 @@ def test_a_lag_of_nothing_leaves_the_error_as_it_is(drive: Drive) -> None:
     uneven = TIME + np.where(np.arange(len(TIME)) % 2, 0.002, 0.0)
     jittered = make_drive(uneven, drive.reading, resolution=STEP, noise=0.0)
     for each in (drive, jittered):
-        made = behind_follower(each.error, each.time, Follower(1e-5, 2.5e-11))
+        made = behind_follower(each.error, each.time, Follower(1e-5))
         # At most 0.25 rad/s² of error times 10 µs is 0.1 % of the smallest deviation of 50 µrad, twice that its
         # variance; from step to step, the process itself comes within 1.1 % of the covariances that it states.
         np.testing.assert_allclose(made.covariance[:, 0, 0], each.error.covariance[:, 0, 0], rtol=1.3e-2)
