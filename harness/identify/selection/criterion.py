@@ -120,10 +120,11 @@ class Criterion:
     def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT, Rule.EXCHANGE], tried: Fit, against: Fit) -> bool:
         """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold.
 
-        Of an exchange, unless it is large and sure.
+        Of an exchange, unless it is large and sure, or to something simpler.
         """
         if rule is Rule.EXCHANGE:
-            return self.gain(tried, against) > 0.0 and not self._surely_exchanged(tried, against)
+            settled = _simpler(tried, against) or self._surely_exchanged(tried, against)
+            return self.gain(tried, against) > 0.0 and not settled
         threshold = self.settings.spline_keep if rule is Rule.SPLINE else self.settings.pair_penalty
         return self.gain(tried, against) > threshold
 
@@ -264,9 +265,12 @@ class Criterion:
         """The best candidate replaces an effect if it surely reduces the held-out error, by more than a rival.
 
         A reduction that is less than that is enough if the in-sample loss is lower too, by as much as a rival's: each
-        of the two scatters, and the price of a further parameter is paid in the held-out error.
+        of the two scatters, and the price of a further parameter is paid in the held-out error. Something with fewer
+        parameters, whose loss may be higher, only has to predict no worse than they are worth, as where one is pruned.
         """
         kept, text = self._held_out(tried, against, gain, evidence)
+        if _simpler(tried, against):
+            return evidence.winner is tried and gain > 0.0, f"{_held_out_errors(tried, against)}, with fewer parameters"
         kept = kept and self._surely_exchanged(tried, against)
         if evidence.winner is tried and evidence.after and self.needs_evidence(Rule.EXCHANGE, tried, against):
             share = 1.0 - evidence.after[0] / evidence.before[0]
@@ -366,6 +370,10 @@ def _complete_error(problem: Problem) -> float:
     reading = problem.reading_variance * ((1.0 - share) * interval + share * max(2.0 * problem.colour.time, interval))
     velocity = math.sqrt(2.0) * density**0.75 * reading**0.25
     return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
+
+
+def _simpler(tried: Fit, against: Fit) -> bool:
+    return len(tried.hypothesis.parameters) < len(against.hypothesis.parameters)
 
 
 def _log_ratio(evidence: Evidence) -> float:

@@ -65,6 +65,20 @@ def test_in_sample_loss_decides_an_exchange_that_held_out_blocks_leave_open(
     assert not C.needs_evidence(Rule.EXCHANGE, free(0.5, "rolling_resistance"), base)  # surely better in any case
 
 
+@pytest.mark.parametrize(("factor", "kept"), [(0.99, True), (1.01, True), (1.03, False)])
+def test_an_exchange_for_fewer_parameters_is_made_where_one_would_be_pruned(factor: float, kept: bool) -> None:
+    """Take the law of one number for that of two if held-out blocks are predicted worse by less than 2 %."""
+    simple, rich = free(factor, "rolling_resistance"), free(1.0, "directional_resistance")
+    decision = C.decide(Rule.EXCHANGE, simple, rich, Evidence(winner=simple))
+    assert decision.kept is kept
+    assert (
+        decision.kept
+        is C.decide(Rule.EXCHANGE, simple, rich, Evidence(winner=simple, before=(1.0,), after=(2.0,))).kept
+    )
+    assert not C.needs_evidence(Rule.EXCHANGE, simple, rich)
+    assert not C.decide(Rule.EXCHANGE, simple, rich, Evidence(winner=free(0.4, "level_error"))).kept
+
+
 def test_a_reduction_that_a_few_blocks_make_is_not_significant() -> None:
     """Keep nothing that makes one block of twelve much better and the others a little worse, and say why."""
     factors = np.r_[np.full(11, 1.02), 0.2]
