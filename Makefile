@@ -45,7 +45,7 @@ $(LOCKED): requirements.lock
 $(INSTALLED): $(LOCKED) pyproject.toml
 	@$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-index --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m pip check || { echo 'requirements.lock is behind pyproject.toml: make lock' >&2; exit 1; }
-	@echo 'Compiling the kernels once (about a minute) ...'
+	@echo 'Compiling the kernels once (about two minutes) ...'
 	@$(BIN)/harness compile
 	@touch $@
 
@@ -60,7 +60,7 @@ report: $(INSTALLED) ## compare and diagnose both bundled rigs, one simulated an
 
 .PHONY: test
 test: $(INSTALLED) ## the fast tests
-	$(BIN)/pytest -m "not slow" -n $(JOBS) $(ARGS)
+	$(BIN)/pytest -m "not slow" -n $(JOBS) --dist loadfile $(ARGS)
 
 # What a processor without AVX or FMA does: Numba, OpenBLAS, NumPy and the C library choose other code there, and sums
 # round otherwise. Tests of whole commands, engines, files and pages add nothing to what the others compute.
@@ -76,7 +76,7 @@ test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a proces
 
 .PHONY: test-slow
 test-slow: $(INSTALLED) ## the tests that take minutes
-	$(BIN)/pytest -m slow -n $(JOBS) --durations=10 $(ARGS)
+	$(BIN)/pytest -m slow -n $(JOBS) --dist loadfile --durations=40 $(ARGS)
 
 .PHONY: mutants
 mutants: $(INSTALLED) ## change the code here and there and list what no test notices (hours; ARGS="--sample 40" takes one)

@@ -10,6 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from analytic.effects import LEVEL_ERROR, LINKAGE_BACKLASH, ROLLING_RESISTANCE
 from harness.api.progress import shown
 from harness.formatting import number
@@ -20,8 +22,8 @@ _PACKAGES = ("analytic.", "harness.")
 _DURATION = 3.0  # of a simulated recording [s]: what is compiled does not depend on it
 # Together they lead through every kernel that engines and the virtual rig have: a dry friction, a Dahl friction, a
 # beam that follows late, a linkage with play, and each kind of an imperfect record.
-_DECLARED = {ROLLING_RESISTANCE.name: {"coefficient": 1e-3}}
-_HIDDEN = {LINKAGE_BACKLASH.name: {"width": 0.002}, LEVEL_ERROR.name: {"angle": 0.004}}
+_DECLARED = {ROLLING_RESISTANCE.name: {"coefficient": 1e-3}, LINKAGE_BACKLASH.name: {"width": 0.002}}
+_HIDDEN = {LEVEL_ERROR.name: {"angle": 0.004}}
 
 
 @dataclass(frozen=True)
@@ -151,11 +153,15 @@ def _diagnose(folder: Path, case: Path) -> None:
     from harness.identify.estimate.window_runs import FreeRuns
     from harness.identify.pose import problem_of
     from harness.identify.problem.hypothesis import NOTHING
+    from harness.identify.problem.spline_term import Kind, Regressor, blank
     from harness.identify.problem.windows import fitted_windows
     from harness.recording import load_case
 
     diagnose(case, out=folder / "out")  # the report has kernels of its own
-    # Only a search that held-out errors decide fits free runs, which this recording does not ask for.
+    # This recording asks for no spline term, nor for free runs, which a search fits that held-out errors decide.
+    curve = blank(Kind(Regressor.POSITION), 0.0, 1.0)
+    curve.at(np.zeros(1))
+    curve.slope_at(np.zeros(1))
     problem = problem_of(load_case(case))
     runs = FreeRuns(problem, fitted_windows(problem.recordings))
     runs.runs(NOTHING, runs.first_starts())

@@ -263,7 +263,7 @@ def _caches() -> Iterator[Finding]:
     fresh = sum(of_this_code in name for name in files)
     stale = len(files) - fresh
     text = f"{fresh} of this code, {stale} of older code"
-    remedy = "" if fresh else "the first command compiles them, which takes about a minute"
+    remedy = "" if fresh else "the first command compiles them, which takes up to two minutes"
     yield Finding("compiled kernels", fresh > 0, text, remedy, needed=False)
 
 

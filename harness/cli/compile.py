@@ -11,7 +11,7 @@ def compile_(as_json: bool) -> None:
     """Compile the kernels that the commands need, so that the first of them need not wait for it.
 
     `make setup` does so; do it again after a change of the sources, or to fill another cache, which NUMBA_CACHE_DIR
-    names. It takes half a minute or a minute, and a few seconds where everything has been compiled before.
+    names. It takes about two minutes, and some ten seconds where everything has been compiled before.
 
     \b
     Examples:
