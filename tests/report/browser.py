@@ -51,11 +51,13 @@ def complaints(driver) -> list[str]:
 
 def button(driver, scope: str, label: str):
     """A button by its label."""
-    return next(
-        one
-        for one in driver.find_elements("css selector", f"{scope} button")
-        if label in (one.get_attribute("aria-label"), one.text)
+    script = (
+        "return [...document.querySelectorAll(`${arguments[0]} button`)].find((one) => "
+        "[one.getAttribute('aria-label'), one.innerText.trim()].includes(arguments[1]))"
     )
+    found = driver.execute_script(script, scope, label)
+    assert found is not None, label
+    return found
 
 
 def choose(driver, selection, value) -> None:
