@@ -47,9 +47,12 @@ def test_estimates_cover_the_truth_under_rolling_resistance(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("resistance", [0.0, RESISTANCE], ids=["free", "rolling resistance"])
-@pytest.mark.parametrize("counts", [FINE, COARSE])
-@pytest.mark.parametrize("make", [steps, swing])
+@pytest.mark.parametrize(
+    ("make", "counts", "resistance"),
+    # Half of all combinations: every two levels of every two factors meet.
+    [(steps, FINE, 0.0), (steps, COARSE, RESISTANCE), (swing, FINE, RESISTANCE), (swing, COARSE, 0.0)],
+    ids=["steps-fine-free", "steps-coarse-resisted", "swing-fine-resisted", "swing-coarse-free"],
+)
 def test_estimates_cover_the_truth(tmp_path: Path, make: object, counts: int, resistance: float) -> None:
     """Cover each of K, α₀ and ℓ as often as 95 % intervals do, within chance, by error bars that are not idle."""
     z = z_scores(tmp_path, make, counts, resistance, range(12, 28))
