@@ -37,8 +37,12 @@ def chromium() -> Iterator:
 
 def opened(driver, page: Path):
     """The driver with the page freshly opened at 1000 pixels, light."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
     resize(driver, 1000)
     driver.get(page.as_uri())
+    # Where the page was open before, chromedriver now and then comes back while it is still read.
+    WebDriverWait(driver, 30.0).until(lambda it: it.execute_script("return document.readyState") == "complete")
     theme(driver, "light")
     settle(driver)
     return driver
