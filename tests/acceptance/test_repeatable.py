@@ -52,8 +52,14 @@ def test_the_result_is_the_same_for_any_number_of_processes_and_threads(
 
 @pytest.mark.slow
 def test_the_search_by_held_out_errors_is_the_same_in_any_number_of_processes() -> None:
-    """Write the same digits of the bundled measured rig, whose effects held-out blocks decide, with one and two."""
+    """Write the same digits of the bundled measured rig, whose effects held-out blocks decide, with one and two.
+
+    They predict held-out blocks surely better than every baseline.
+    """
     case = ROOT / "harness" / "data" / "open_ball_beam"
     one, two = (diagnosed(case, jobs=jobs, threads=1) for jobs in (1, 2))
     assert {line["rule"] for line in one["ledger"]} >= {"joint", "exchange"}
     assert json.dumps(one) == json.dumps(two)
+    margins = one["baselines"]["better_by_m"]
+    assert len(margins) == 5
+    assert all(margin["sure"] for margin in margins.values()), margins

@@ -25,7 +25,6 @@ from harness.identify.validation.baseline_comparison import (
     compare_with_baselines,
 )
 from harness.recording import KnownRig, load_case
-from harness.recording.case import MEASURED
 from tests.posed import Posed, pose
 from tests.shared_data import RECORDINGS
 
@@ -148,17 +147,6 @@ def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
     assert unknown_effects(whole) == ()
     assert unknown_effects(replace(whole, rolling_radius=None)) == ("angle_gain", "level_error")
     assert unknown_effects(replace(whole, rolling_radius=None, level_angle=0.0)) == ("angle_gain",)
-
-
-@pytest.mark.slow
-def test_the_built_in_measured_rig_is_predicted_better_than_by_baselines() -> None:
-    """Predict held-out blocks of the recording that comes with the package surely better than all baselines."""
-    made = diagnose(problem_of(load_case(MEASURED))).baselines
-    assert made is not None
-    for name in BASELINES:
-        margin = made.margin(name)
-        assert margin is not None
-        assert margin.sure
 
 
 @needs_shared
