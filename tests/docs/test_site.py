@@ -85,10 +85,13 @@ def driver() -> Iterator[Any]:
 @pytest.mark.slow
 def test_the_site_searches_when_it_is_opened_as_files(site: Path, driver: Any) -> None:
     """Find the page on tuning by its words, without a server."""
-    driver.get((site / "index.html").as_uri())
-    driver.find_element("css selector", "[data-md-component=search-query]").send_keys("contact parameters")
+    from selenium.webdriver.support.expected_conditions import element_to_be_clickable
     from selenium.webdriver.support.ui import WebDriverWait
 
+    browser.resize(driver, 1400)  # a narrow page has its search behind a button
+    driver.get((site / "index.html").as_uri())
+    field = element_to_be_clickable(("css selector", "[data-md-component=search-query]"))
+    WebDriverWait(driver, 30).until(field).send_keys("contact parameters")
     links = WebDriverWait(driver, 30).until(
         lambda one: one.find_elements("css selector", ".md-search-result__link")  # the index is read first
     )
