@@ -63,16 +63,17 @@ test: $(INSTALLED) ## the fast tests
 	$(BIN)/pytest -m "not slow" -n $(JOBS) --dist loadfile $(ARGS)
 
 # What a processor without AVX or FMA does: Numba, OpenBLAS, NumPy and the C library choose other code there, and sums
-# round otherwise. Tests of whole commands, engines, files and pages add nothing to what the others compute.
+# round otherwise. Tests of whole commands, engines, files and pages, and those of the search, which decides by the same
+# fits, add nothing to what the others compute.
 GENERIC := NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=$(CURDIR)/build/numba-generic \
   OPENBLAS_CORETYPE=Prescott NPY_DISABLE_CPU_FEATURES='X86_V3 X86_V4 AVX512_ICL AVX512_SPR' \
   GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F
-ELSEWHERE := acceptance api benchmarks docs engines exports fuzz importing jobs mjcf recording report sweeps tolerances \
-  tuning urdf viewing
+ELSEWHERE := acceptance api benchmarks docs engines exports fuzz identify/design identify/selection \
+  identify/validation importing jobs mjcf recording report sweeps tolerances tuning urdf viewing
 
 .PHONY: test-generic
 test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a processor without vector extensions
-	$(GENERIC) $(BIN)/pytest -m "not slow" -n $(JOBS) $(ELSEWHERE:%=--ignore=tests/%) $(ARGS)
+	$(GENERIC) $(BIN)/pytest -m "not slow" -n $(JOBS) --dist loadfile $(ELSEWHERE:%=--ignore=tests/%) $(ARGS)
 
 .PHONY: test-slow
 test-slow: $(INSTALLED) ## the tests that take minutes
