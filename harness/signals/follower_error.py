@@ -48,7 +48,8 @@ def behind_follower(error: ErrorProcess, stamps: FloatArray, follower: Follower)
     """The error of the angle of a beam that has settled behind another one at the first stamp.
 
     Args:
-        error: of the angle that is followed, at the stamps, shape (n,) [s].
+        error: of the angle that is followed.
+        stamps: at which both are, shape (n,) [s].
     """
     made = ErrorProcess(*(np.empty_like(part) for part in error))
     square = max(follower.square, (_DAMPED * follower.lag) ** 2)

@@ -64,7 +64,9 @@ def test_after_it_a_command_compiles_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_without_it_a_command_compiles(tmp_path: Path) -> None:
     """Find what a simulation compiles from an empty cache: the check above can fail."""
-    assert "analytic.kernel._integrate" in compiled_for(tmp_path / "cache", "simulate", "--out", tmp_path / "virtual")
+    assert "harness.simulator.stepping.describe" in compiled_for(
+        tmp_path / "cache", "simulate", "--out", tmp_path / "virtual"
+    )
 
 
 def test_only_our_own_functions_are_listed() -> None:
