@@ -268,9 +268,9 @@ class Criterion:
         of the two scatters, and the price of a further parameter is paid in the held-out error. Something with fewer
         parameters, whose loss may be higher, only has to predict no worse than they are worth, as where one is pruned.
         """
-        kept, text = self._held_out(tried, against, gain, evidence)
         if _simpler(tried, against):
             return evidence.winner is tried and gain > 0.0, f"{_held_out_errors(tried, against)}, with fewer parameters"
+        kept, text = self._held_out(tried, against, gain, evidence)
         kept = kept and self._surely_exchanged(tried, against)
         if evidence.winner is tried and evidence.after and self.needs_evidence(Rule.EXCHANGE, tried, against):
             share = 1.0 - evidence.after[0] / evidence.before[0]
