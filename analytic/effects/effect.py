@@ -169,6 +169,8 @@ class Effect:
             raise EffectError(
                 f"{self.name}: does nothing; give it a force, or alter, turn, transmission, sensor or write"
             )
+        if self.follower is not None and self.turn is None:
+            raise EffectError(f"{self.name}: a follower smooths the angle's error as its turn the motion; give both")
 
     @property
     def exportable(self) -> bool:

@@ -250,6 +250,10 @@ def test_a_sensor_that_cannot_be_is_refused(tmp_path: Path, law: str, message: s
             "turn=lambda motion, stamps, values: motion, follower=lambda values: Follower(values['size'])",
             "line 8: mine: a follower with the lag -1 s .* none below 0",
         ),
+        (
+            "sensor=lambda values: SensorLaw(), follower=lambda values: Follower(0.1)",
+            "mine: a follower smooths the angle's error as its turn the motion; give both",
+        ),
         ("sensor=lambda values: SensorLaw(gain='a')", "TypeError: must be real number, not str"),
     ],
 )

@@ -1,9 +1,16 @@
-"""What an effect changes in the innovations of the filter, over its size, beside the declared model."""
+"""What an effect changes in the innovations of the filter, over its size, beside the declared model.
+
+It is what the effect changes in the prediction, with gains of the filter as they are without it. An effect between the
+measured angle and the beam also changes how the angle's error reaches the ball, and with it the gains. Where the
+declared model leaves much unexplained, gains that differ a little change large innovations by more than the effect
+does, which is no sign of it.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +38,10 @@ class Reference:
 
     def __init__(self, problem: Problem, base: Fit, scale: float) -> None:
         self.problem, self.base, self.scale = problem, base, scale
+        through = (*problem.declared, *base.terms.effects)
+        self._same_gains = replace(
+            problem, recordings=tuple(replace(one, error_of=through) for one in problem.recordings)
+        )
         self.criterion = Criterion(problem.settings)
         self.price = math.log(problem.readings * scale)
         floor, quiet = problem.angle_floor**2, problem.least_process_noise
@@ -79,7 +90,7 @@ class Reference:
 
     def of(self, hypothesis: Hypothesis, process_noise: float) -> Residuals:
         """Residuals of a hypothesis at a process noise [m²/s³]."""
-        return Residuals(self.problem, hypothesis, process_noise)
+        return Residuals(self._same_gains, hypothesis, process_noise)
 
 
 class Signature:

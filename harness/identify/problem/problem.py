@@ -66,6 +66,8 @@ class PreparedRecording:
         reading: position readings, NaN where missing or an outlier, shape (n,) [m].
         drive: the beam's motion, over these stamps or longer.
         longest_step: of the integration [s].
+        error_of: effects through which the angle's error passes whatever else acts (`error_with`); None for those that
+            act.
     """
 
     name: str
@@ -73,6 +75,7 @@ class PreparedRecording:
     reading: FloatArray
     drive: Drive
     longest_step: float = _LONGEST_STEP
+    error_of: tuple[Acting, ...] | None = None
 
     @classmethod
     def of(cls, observed: Observed) -> PreparedRecording:
@@ -180,6 +183,7 @@ class PreparedRecording:
         time over which its variance changes. Behind a play or a lag it is another one (`behind_play`,
         `behind_follower`).
         """
+        effects = effects if self.error_of is None else self.error_of
         through, followers = transmission_with(effects), followers_with(effects)
         if through.play > 0.0 or followers:
             return self._behind(through, followers, sensor_with(effects).delay, shared)

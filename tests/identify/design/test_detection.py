@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,9 +21,13 @@ from harness.simulator import Experiment, write_case
 EFFECTS = ("level_error", "viscous_damping", "angle_lag", "position_gain")
 
 
-def problem_with(folder: Path, hidden: dict[str, dict[str, float]], seed: int = 5, duration: float = 6.0) -> Problem:
+Values = dict[str, dict[str, float]]
+RESISTANCE: Values = {"rolling_resistance": {"coefficient": 0.01}}
+
+
+def problem_with(folder: Path, hidden: Values, seed: int = 5, duration: float = 6.0, **experiment: Any) -> Problem:
     """Two short recordings of the virtual rig with these hidden effects, read and posed."""
-    write_case(folder, Experiment(hidden=hidden, duration=duration, predict=0, seed=seed))
+    write_case(folder, Experiment(hidden=hidden, duration=duration, predict=0, seed=seed, **experiment))
     return problem_of(load_case(folder))
 
 
@@ -80,3 +85,19 @@ def test_more_data_lower_the_limit(limits: dict[str, Limit], tmp_path: Path) -> 
     """
     longer = {one.effect: one for one in detection_limits(problem_with(tmp_path, {}, duration=12.0)).limits}
     assert longer["level_error"].limit < limits["level_error"].limit / (0.9 * math.sqrt(2.0))
+
+
+def test_what_is_left_once_the_rest_is_explained_is_what_a_complete_model_shows(tmp_path: Path) -> None:
+    """Foretell, with a resistance that nobody declared, the limits of effects that smooth the angle's error.
+
+    A channel delay, which leaves that error as it is, tells how much lower limits are with the process noise that is
+    expected in place of the fitted one. The others, which act on the same motion, differ from it by half at the most.
+    """
+    coarse = {"counts": 4096}  # where the angle's error matters
+    known = problem_with(tmp_path / "known", {}, declared=RESISTANCE, **coarse)
+    complete = {one.effect: one.limit for one in detection_limits(known).limits}
+    missing = problem_with(tmp_path / "missing", RESISTANCE, **coarse)
+    explained = {one.effect: one.explained for one in detection_limits(missing).limits}
+    lower = {name: explained[name] / complete[name] for name in complete}
+    for name in ("linkage_backlash", "angle_hold", "angle_lag", "angle_servo"):
+        assert 1.0 / 1.5 < lower[name] / lower["channel_delay"] < 1.5, (name, lower[name])
