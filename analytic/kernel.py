@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from analytic import slots
 from analytic.compiled import fixed, njit
-from analytic.lean import GENERAL, SMOOTH, dry_run, path_of, smooth_run, tilts
+from analytic.lean import dry_run, smooth_run, tilts
+from analytic.lean_step import GENERAL, SMOOTH, path_of
 from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig

@@ -251,7 +251,7 @@ def _memory() -> Finding:
 
 def _caches() -> Iterator[Finding]:
     """Where compiled kernels are kept, whether they can be written, and whether there are any of this code."""
-    from analytic.lean import path_of
+    from analytic.lean_step import path_of
 
     # There is no public access to where numba keeps machine code, and under which names.
     kept: Any = vars(path_of)["_cache"]

@@ -10,7 +10,7 @@ import pytest
 from analytic import slots
 from analytic.effects import Acting, acting, parameters_with
 from analytic.kernel import Grid, integrate
-from analytic.lean import DRY, GENERAL, SMOOTH, path_of
+from analytic.lean_step import DRY, GENERAL, SMOOTH, path_of
 from analytic.models import CAM, CUM, CUM_LINEAR, MODELS, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig

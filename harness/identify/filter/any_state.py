@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
+from analytic.lean_step import path_of
 from analytic.motion import FloatArray
+from analytic.shared_step import ball_step, beam_step
 from analytic.slots import DAHL, TRACTION
-from analytic.step import advance
 from harness.identify.filter.arguments import (
     NUDGE,
     UNSTEADY,
@@ -68,9 +69,13 @@ def any_state(
     few, size = len(ball), len(ball) + (4 if coloured else 3)
     states = np.append(ball, np.arange(_ERROR, _ERROR + (4 if coloured else 3)))
     sensed, last = states[0], size - 1
-    x, moved, nudged, f = np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(size)
+    x, mean, nudges, f = np.zeros(8), np.zeros(8), np.zeros(few + 1), np.zeros(size)
+    balls = np.zeros((few + 2, 8))  # where it is, and where it would be from a state that is a little off, one by one
+    moved, off = balls[0], balls[1:]
     F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES))
-    ahead, behind = np.zeros(8), np.zeros(8)
+    beyond = np.zeros((2, 1, 8))
+    ahead, behind = beyond[0], beyond[1]
+    path = path_of(p)
     bends = points and (slips or p[DAHL] != 0.0 or has_dry_friction(p))
     row_of_v = 2 if lag > 0.0 else 1
     local = np.empty((3, beam.table.shape[1]))
@@ -81,20 +86,21 @@ def any_state(
         if begun:
             dt = time[k] - time[k - 1]
             moved[:] = x
-            _over(moved, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
             for j in range(few + 1):
                 index = states[j]
                 if index == _ERROR:
-                    nudge = angle_nudge(_square(L, j))
+                    nudges[j] = angle_nudge(_square(L, j))
                 elif index == 1 or (index == 2 and slips):
-                    nudge = velocity_nudge(x[index], _square(L, j))
+                    nudges[j] = velocity_nudge(x[index], _square(L, j))
                 else:
-                    nudge = NUDGE[index]
-                nudged[:] = x
-                nudged[index] += nudge
-                _over(nudged, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+                    nudges[j] = NUDGE[index]
+                off[j] = x
+                off[j, index] += nudges[j]
+            _over(balls[:-1], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
+            _over(balls[few + 1 :], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)  # on another angle
+            for j in range(few + 1):
                 for i in range(few):
-                    F[i, j] = (nudged[states[i]] - moved[states[i]]) / nudge
+                    F[i, j] = (off[j, states[i]] - moved[states[i]]) / nudges[j]
             M[:, size:] = 0.0
             for i in range(few):
                 of_position = states[i] == 0 or states[i] == 3
@@ -118,21 +124,21 @@ def any_state(
             _product(F, L, M)
             # slip begins and ends at any velocity
             if bends and not math.isnan(position[k]) and (slips or may_stop(x[1], moved[1], _square(L, row_of_v))):
-                nudged[:] = moved  # the mean, increased by second differences
+                mean[:] = moved  # to be increased by second differences
                 for j in range(size):
-                    ahead[:] = x
-                    behind[:] = x
+                    ahead[0] = x
+                    behind[0] = x
                     for i in range(size):
-                        ahead[states[i]] += REACH * L[i, j]
-                        behind[states[i]] -= REACH * L[i, j]
-                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
-                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, lag, local)
+                        ahead[0, states[i]] += REACH * L[i, j]
+                        behind[0, states[i]] -= REACH * L[i, j]
+                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
+                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
                     for i in range(few):
-                        bend = ahead[states[i]] + behind[states[i]] - 2.0 * moved[states[i]]
-                        M[i, j] = FIRST * (ahead[states[i]] - behind[states[i]])
+                        bend = ahead[0, states[i]] + behind[0, states[i]] - 2.0 * moved[states[i]]
+                        M[i, j] = FIRST * (ahead[0, states[i]] - behind[0, states[i]])
                         M[i, size + _SOURCES + j] = SECOND * bend
-                        nudged[states[i]] += SHIFT * bend
-                moved[:] = nudged
+                        mean[states[i]] += SHIFT * bend
+                moved[:] = mean
             x[:] = moved
             triangular(M, L)
         if not math.isnan(position[k]):
@@ -177,21 +183,34 @@ def any_state(
 
 
 @njit(cache=True, inline="always")
-def _over(x: FloatArray, first: int, last: int, beam: BeamTable, p: FloatArray, lag: float, local: FloatArray) -> None:
-    """Integrate the state x, shape (8,), over the steps from `first` to `last`, in place; all but the errors.
+def _over(
+    balls: FloatArray,
+    first: int,
+    last: int,
+    beam: BeamTable,
+    p: FloatArray,
+    path: int,
+    lag: float,
+    local: FloatArray,
+) -> None:
+    """Integrate states over the steps from `first` to `last`, in place; all but the errors.
 
-    `local`, shape (3, 3 or 4), is workspace.
+    Args:
+        balls: states with the same errors, shape (m, 8).
+        local: workspace, shape (3, 3 or 4).
     """
-    s, v, w, y = x[0], x[1], x[2], x[3]
     since = 0.0
     for j in range(first, last):
-        before, h = s, beam.steps[j]
-        shifted(beam, j, since, x[4], x[5], x[6], local)
+        h = beam.steps[j]
+        shifted(beam, j, since, balls[0, 4], balls[0, 5], balls[0, 6], local)
         since += h
-        s, v, w = advance(s, v, w, h, local, 0, p)
-        if lag > 0.0:
-            y = lagging(y, before, s, h, lag)
-    x[0], x[1], x[2], x[3] = s, v, w, y
+        on = beam_step(path, local, 0, p)
+        for i in range(len(balls)):
+            before = balls[i, 0]
+            s, v, w = ball_step(path, on, before, balls[i, 1], balls[i, 2], h, local, 0, p)
+            if lag > 0.0:
+                balls[i, 3] = lagging(balls[i, 3], before, s, h, lag)
+            balls[i, 0], balls[i, 1], balls[i, 2] = s, v, w
 
 
 @njit(cache=True, inline="always")

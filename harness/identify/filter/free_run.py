@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
+from analytic.lean_step import path_of
 from analytic.motion import FloatArray
-from analytic.step import advance
+from analytic.shared_step import ball_step, beam_step
 from harness.identify.filter.arguments import BeamTable, lagging
 
 # Changes of a start for derivatives by it [m], [m/s]: wide enough to average over the jumps that arise where dry
@@ -28,7 +29,7 @@ def free_runs(
         lag: T of the position sensor [s]; at first it is T ṡ behind, as after a motion at that velocity.
         starts: s [m] and ṡ [m/s] at the first stamp of each window, shape (windows, 2).
     """
-    out = np.empty(np.sum(last - first))
+    out, path = np.empty(np.sum(last - first)), path_of(p)
     at = 0
     for i in range(len(first)):
         s, v, w = starts[i, 0], starts[i, 1], 0.0
@@ -37,7 +38,8 @@ def free_runs(
         for stamp in range(first[i] + 1, last[i]):
             for j in range(beam.marks[stamp - 1], beam.marks[stamp]):
                 before, h = s, beam.steps[j]
-                s, v, w = advance(s, v, w, h, beam.table, 2 * j, p)
+                on = beam_step(path, beam.table, 2 * j, p)
+                s, v, w = ball_step(path, on, s, v, w, h, beam.table, 2 * j, p)
                 y = lagging(y, before, s, h, lag) if lag > 0.0 else s
             out[at + stamp - first[i]] = y
         at += last[i] - first[i]

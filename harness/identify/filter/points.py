@@ -18,8 +18,9 @@ import numpy as np
 from analytic import slots
 from analytic.compiled import njit
 from analytic.law import DRY_OF_POSITION
+from analytic.lean_step import path_of
 from analytic.motion import FloatArray
-from analytic.step import advance
+from analytic.shared_step import ball_step, beam_step
 from harness.identify.filter.arguments import BeamTable, shifted
 
 REACH_SQUARE = 3.0  # the kurtosis of a normal variable: the square of the points' distance in standard deviations
@@ -71,7 +72,7 @@ def step_at_points(
         L: root of the covariance before, shape (5, 5).
         local: workspace, shape (3, 3 or 4).
     """
-    ends = np.empty((2, 2))
+    ends, path = np.empty((2, 2)), path_of(p)
     mean_s, mean_v = s, v
     variance_s = M[0, 5] ** 2
     covariance = M[0, 5] * M[1, 5]
@@ -84,7 +85,8 @@ def step_at_points(
             for i in range(first, last):
                 shifted(beam, i, since, x[2] + reach * L[2, j], x[3] + reach * L[3, j], x[4] + reach * L[4, j], local)
                 since += beam.steps[i]
-                a, b, _ = advance(a, b, 0.0, beam.steps[i], local, 0, p)
+                on = beam_step(path, local, 0, p)
+                a, b, _ = ball_step(path, on, a, b, 0.0, beam.steps[i], local, 0, p)
             ends[side, 0], ends[side, 1] = a, b
         M[0, j], M[1, j] = FIRST * (ends[0, 0] - ends[1, 0]), FIRST * (ends[0, 1] - ends[1, 1])
         bend_s, bend_v = ends[0, 0] + ends[1, 0] - 2.0 * s, ends[0, 1] + ends[1, 1] - 2.0 * v

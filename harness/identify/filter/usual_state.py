@@ -8,8 +8,9 @@ import numpy as np
 
 from analytic.compiled import njit
 from analytic.law import acceleration
+from analytic.lean_step import path_of
 from analytic.motion import FloatArray
-from analytic.step import advance
+from analytic.shared_step import ball_step, beam_step
 from harness.identify.filter.arguments import (
     NUDGE,
     VELOCITY_VARIANCE,
@@ -49,6 +50,7 @@ def usual_state(
     steps, marks = beam.steps, beam.marks
     reading_variance = sensor.reading_variance
     L, M, x, here = np.zeros((5, 5)), np.zeros((5, _WIDTH)), np.empty(5), np.empty((3, beam.table.shape[1]))
+    path = path_of(p)
     dry = points and has_dry_friction(p)
     L[:] = memory.root[:5, :5]
     s, v, e0, e1, e2 = memory.x[0], memory.x[1], memory.x[2], memory.x[3], memory.x[4]
@@ -64,9 +66,10 @@ def usual_state(
                 shifted(beam, j, since, e0, e1, e2, here)
                 h = steps[j]
                 since += h
-                s1, v1, _ = advance(s1, v1, 0.0, h, here, 0, p)
-                s2, v2, _ = advance(s2, v2, 0.0, h, here, 0, p)
-                s, v, _ = advance(s, v, 0.0, h, here, 0, p)
+                on = beam_step(path, here, 0, p)
+                s1, v1, _ = ball_step(path, on, s1, v1, 0.0, h, here, 0, p)
+                s2, v2, _ = ball_step(path, on, s2, v2, 0.0, h, here, 0, p)
+                s, v, _ = ball_step(path, on, s, v, 0.0, h, here, 0, p)
             root = math.sqrt(process_noise * dt)
             M[:, 5:] = 0.0
             M[0, 5], M[1, 5], M[1, 6] = root * dt / math.sqrt(3.0), root * math.sqrt(0.75), 0.5 * root
