@@ -14,6 +14,7 @@ import numpy as np
 
 from analytic import slots
 from analytic.compiled import njit
+from analytic.law import OF_SENSOR
 from analytic.motion import FloatArray
 
 GENERAL, SMOOTH, DRY = 0, 1, 2
@@ -35,13 +36,13 @@ _LEAN = (  # slots that either path reads
     slots.DRY_PLUS,
     slots.DRY_MINUS,
 )
-_ZERO = tuple(slot for slot in range(slots.SHAPE + 1) if slot not in _LEAN)
+_ZERO = tuple(slot for slot in range(slots.SHAPE) if slot not in _LEAN)
 
 
 @njit(cache=True, nogil=True)
 def path_of(p: FloatArray) -> int:
     """Which path takes a run with this parameter vector: `GENERAL`, `SMOOTH` or `DRY`."""
-    if len(p) > slots.SLOTS:
+    if len(p) > slots.SLOTS or p[slots.SHAPE] not in (0.0, OF_SENSOR):  # an error of the sensor moves no ball
         return GENERAL
     for slot in _ZERO:
         if p[slot] != 0.0:

@@ -10,6 +10,7 @@ import pytest
 from analytic import slots
 from analytic.effects import Acting, acting, parameters_with
 from analytic.kernel import Grid, integrate
+from analytic.law import OF_SENSOR
 from analytic.lean_step import DRY, GENERAL, SMOOTH, path_of
 from analytic.models import CAM, CUM, CUM_LINEAR, MODELS, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
@@ -78,6 +79,15 @@ def test_negative_resistance_is_none() -> None:
     p = coefficients(CAM, RIG)
     p[slots.DRY_PLUS], p[slots.DRY_MINUS] = -0.01, 0.01
     assert path_of(p) == DRY
+    check(Sines(), [p])
+
+
+@pytest.mark.parametrize(("name", "path"), [("none", SMOOTH), ("rolling_resistance", DRY)])
+def test_an_error_of_the_sensor_moves_no_ball(name: str, path: int) -> None:
+    """Leave a run on its lean path where a spline term says what the sensor makes of a position."""
+    p = parameters_with(CAM, RIG, [] if name == "none" else [acting(name, {"coefficient": 0.01})])
+    p[slots.SHAPE : slots.SHAPE_NODES + 4] = OF_SENSOR, -0.4, 0.3, 4.0, 1e-3, 2e-3, -1e-3, 3e-3
+    assert path_of(p) == path
     check(Sines(), [p])
 
 
