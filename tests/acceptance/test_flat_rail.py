@@ -37,6 +37,7 @@ def test_run_compares_the_engines_on_a_flat_rail(harness: Harness, case: Path, t
         assert max(abs(float(row[f"{engine}_m"]) - float(row["cam_m"])) for row in rows) < 3e-6
 
 
+@pytest.mark.slow
 def test_diagnose_validates_with_the_engines_on_a_flat_rail(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Exit with 0, find the effect, and predict as well in both engines as in CAM; predict and replay from the file."""
     done = harness("diagnose", case, "--out", tmp_path / "out")

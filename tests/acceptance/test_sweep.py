@@ -75,6 +75,7 @@ def test_results_say_what_rows_say(made: Sweep) -> None:
     assert (steps[4e-3].runs, steps[4e-3].failed) == (4, 2)
 
 
+@pytest.mark.slow
 def test_several_processes_give_the_same_rows(folder: Path, made: Sweep, process: Harness) -> None:
     """Write the same by the command with two processes; print JSON; exit with 0 although some runs failed."""
     out = folder / "there"

@@ -88,6 +88,7 @@ def test_numbers_that_vary_are_axes(plan: Plan) -> None:
     assert not logarithmic(plan, "rig.level_angle_rad")  # 0 is among them
 
 
+@pytest.mark.slow
 def test_a_page_of_many_factors_stays_below_5_mb(tmp_path: Path) -> None:
     """Draw 800 runs over eight quantities with long names into one page that can be sent by mail."""
     varied = "\n".join(f"{name} = {{ low = {low}, high = {high} }}" for name, low, high in RANGES)

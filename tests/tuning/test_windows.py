@@ -60,6 +60,7 @@ def test_a_window_begins_at_a_reading(problem: Problem) -> None:
     assert fitted_stretches(replace(problem, recordings=(level,)))[1].time[0] == pytest.approx(8.0, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Problem) -> None:
     """Find friction and level within four standard deviations, with residuals of noise, by windows so begun.
 

@@ -78,6 +78,7 @@ def test_limits_are_ordered_and_name_what_looks_alike(limits: dict[str, Limit]) 
     assert "rolling_resistance" not in limits or "directional_resistance" in dict(limits["rolling_resistance"].alike)
 
 
+@pytest.mark.slow
 def test_more_data_lower_the_limit(limits: dict[str, Limit], tmp_path: Path) -> None:
     """Lower the limit of a level error about as time to the power of −3/2 or faster, but no less than the square root.
 
@@ -87,6 +88,7 @@ def test_more_data_lower_the_limit(limits: dict[str, Limit], tmp_path: Path) -> 
     assert longer["level_error"].limit < limits["level_error"].limit / (0.9 * math.sqrt(2.0))
 
 
+@pytest.mark.slow
 def test_what_is_left_once_the_rest_is_explained_is_what_a_complete_model_shows(tmp_path: Path) -> None:
     """Foretell, with a resistance that nobody declared, the limits of effects that smooth the angle's error.
 

@@ -36,6 +36,7 @@ def searched(problem: Problem, base: Fit, found: Fit) -> tuple[Fit, Fit, Ledger]
     return *search_by_held_out_errors(problem, base, found, ledger, lambda _: None), ledger
 
 
+@pytest.mark.slow
 def test_effects_that_act_together_are_found_together(pair: Problem) -> None:
     """Find both from a likelihood search that found nothing, near their true values, with the reason in the ledger."""
     base = fit(pair, Hypothesis(()))
@@ -53,6 +54,7 @@ def test_effects_that_act_together_are_found_together(pair: Problem) -> None:
     assert "predicts held-out blocks" in joint.because
 
 
+@pytest.mark.slow
 def test_what_predicts_worse_is_given_up(tmp_path: Path) -> None:
     """Return the base where the selected effect raises the held-out error and nothing else acts."""
     problem = pose(tmp_path / "case", 5).problem
@@ -78,6 +80,7 @@ def test_few_blocks_decide_nothing(pair: Problem) -> None:
     assert ledger.lines == []
 
 
+@pytest.mark.slow
 def test_parameters_that_predict_worse_give_way_to_those_of_free_runs(pair: Problem) -> None:
     """Keep the terms of the likelihood, and not its parameters, where these are far off and predict worse."""
     hypothesis = Hypothesis(tuple(HIDDEN))

@@ -36,6 +36,7 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     return replace(problem, recordings=tuple(moved), settings=settings)
 
 
+@pytest.mark.slow
 def test_what_effects_explain_is_left_to_the_stepwise_search(tmp_path: Path) -> None:
     """Say nothing where effects of the catalogue bring the process noise to the floor, the first of them or more."""
     hidden = {"rolling_resistance": {"coefficient": 0.006}, "level_error": {"angle": 0.01}}

@@ -32,6 +32,7 @@ def test_a_model_that_knows_the_rig_beats_a_ball_at_rest(tmp_path: Path) -> None
     assert made.at_rest == pytest.approx(np.sqrt(np.mean(np.concatenate(squares))), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the folder ../shared is absent")
 def test_a_declared_model_that_lacks_much_does_not() -> None:
     """Predict the Quanser rig worse than a ball at rest would be, as long as what it lacks is not found."""
