@@ -77,12 +77,13 @@ class SensorLaw:
 
     def curve(self, position: FloatArray) -> FloatArray:
         """What is recorded of a ball that lies at `position`, any shape; the same shape [m]."""
-        recorded = self.gain * (position + position * position * (self.square + self.cube * position))
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that a fit tries and rejects
+            recorded = self.gain * (position + position * position * (self.square + self.cube * position))
         return recorded if self.error is None else recorded + _at(self.error.at, position)
 
     def slope(self, position: FloatArray) -> FloatArray:
         """Derivative of `curve`, never below a tenth of the gain, which a sensor's curve does not reach; same shape."""
-        with np.errstate(over="ignore"):  # of a run that a fit tries and rejects; infinite is as steep as any
+        with np.errstate(over="ignore"):  # likewise; infinite is as steep as any
             slope = 1.0 + position * (2.0 * self.square + 3.0 * self.cube * position)
         slope = self.gain * np.maximum(slope, LEAST_SLOPE)
         if self.error is None:

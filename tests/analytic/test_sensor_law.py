@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from analytic.effects.sensor_law import SensorLaw
@@ -19,3 +21,9 @@ def test_a_reading_that_no_ball_has_is_taken_for_its_position() -> None:
     law = SensorLaw(square=-0.447, cube=-0.666)
     assert float(np.max(law.curve(np.linspace(0.0, 1.0, 1001)))) < 0.31
     np.testing.assert_array_equal(law.position(np.array([0.331])), [0.331])
+
+
+def test_a_ball_that_left_every_beam_warns_of_nothing() -> None:
+    """Read of a run that diverged, as a fit tries and rejects them, without a warning on the user's terminal."""
+    with warnings.catch_warnings(action="error"):
+        assert SensorLaw(cube=0.3).curve(np.array([1e200]))[0] == np.inf

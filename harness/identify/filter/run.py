@@ -30,13 +30,12 @@ class FilterRun:
     @property
     def recorded(self) -> FloatArray:
         """Sensor output for the filtered state, shape (n,) [m]."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a prediction may leave any beam
-            return self.sensor.curve(self._sensed)
+        return self.sensor.curve(self._sensed)
 
     @property
     def recorded_variance(self) -> FloatArray:
         """Its variance, without that of a reading, shape (n,) [m²]."""
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # a prediction may leave any beam
             return self.position_variance * self.sensor.slope(self._sensed) ** 2
 
     @property
