@@ -108,7 +108,8 @@ def _one_step(
     move = lsq_linear(penalised, target, bounds=(low - start, high - start), method="bvls").x
     before = residuals.deviance(start)
     predicted = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
-    end, deviance = start + move, residuals.deviance(start + move)
+    end = np.clip(start + move, low, high)  # rounding can put it a little beyond a bound, where no law need be
+    deviance = residuals.deviance(end)
     if not deviance <= before:  # nor is it where the filter diverges, of which the deviance is not a number
         half = start + 0.5 * move
         there = residuals.deviance(half)

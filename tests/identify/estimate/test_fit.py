@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from analytic.motion import FloatArray
 from harness.identify.estimate import fit as module
+from harness.identify.estimate import screening
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import fit
 from harness.identify.estimate.screening import screen
@@ -124,6 +126,17 @@ def test_a_screening_fit_from_a_start_that_is_far_too_large_is_taken_back(tmp_pa
     (screened,) = screen(problem, hypothesis, base.process_noise, {}, without=base.deviance)
     # What a true zero gains is chi-squared with one degree of freedom: 6.6 in 99 %.
     assert abs(base.deviance - screened.deviance) < 6.6
+
+
+def test_a_screening_step_ends_within_the_bounds(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End at the bound where least squares, by rounding, end a little beyond it: there is no hold of −2·10⁻¹⁷ s."""
+
+    def beyond(*_: object, bounds: tuple[FloatArray, FloatArray], **__: object) -> SimpleNamespace:
+        return SimpleNamespace(x=bounds[0] * (1.0 + 4e-16))
+
+    monkeypatch.setattr(screening, "lsq_linear", beyond)
+    for screened in screen(plain.problem, Hypothesis(("angle_hold",)), 1e-5, {}):
+        assert screened.theta == 0.0
 
 
 def test_a_screening_step_to_where_the_filter_diverges_is_not_taken(
