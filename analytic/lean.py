@@ -7,17 +7,15 @@ from numpy.typing import NDArray
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.lean_step import friction_at, push, resisted, smooth_step
+from analytic.lean_step import friction_at, push, resisted, smooth_step, tilted
 from analytic.motion import FloatArray
 
 
 @njit(cache=True, nogil=True)
 def tilts(table: FloatArray, begin: int, end: int, p: FloatArray, out: FloatArray) -> None:
     """Fill rows `begin` … `end` of `out`, shape (2 m + 1,), with sin(α + α₀), or α + α₀ in a linear model [1]."""
-    level, linear = p[slots.LEVEL], p[slots.LINEAR] != 0.0
     for row in range(begin, end + 1):
-        tilt = table[row, 0] + level
-        out[row] = tilt if linear else np.sin(tilt)
+        out[row] = tilted(table[row, 0], p)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -25,7 +23,7 @@ def smooth_run(
     steps: FloatArray,
     marks: NDArray[np.int64],
     table: FloatArray,
-    tilted: FloatArray,
+    sines: FloatArray,
     p: FloatArray,
     first: int,
     last: int,
@@ -37,7 +35,7 @@ def smooth_run(
         steps: shape (m,) [s].
         marks: index of the step that begins at each stamp, shape (n,).
         table: from `kernel.Grid.tabulate`, shape (2 m + 1, 3).
-        tilted: from `tilts`, filled where the run goes, shape (2 m + 1,) [1].
+        sines: from `tilts`, filled where the run goes, shape (2 m + 1,) [1].
         p: from `models.coefficients`, for which `path_of` is `SMOOTH`.
         first, last: stamps.
         out: s [m] and ṡ [m/s] at these stamps, shape (last − first + 1, 2); row 0 holds the start, the rest is filled.
@@ -45,9 +43,9 @@ def smooth_run(
     s, v, centrifugal = out[0, 0], out[0, 1], p[slots.CENTRIFUGAL]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
-            begin = push(tilted[2 * j], table[2 * j, 1], table[2 * j, 2], p)
-            middle = push(tilted[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
-            end = push(tilted[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
+            begin = push(sines[2 * j], table[2 * j, 1], table[2 * j, 2], p)
+            middle = push(sines[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
+            end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
             s, v = smooth_step(s, v, steps[j], begin, middle, end, centrifugal)
         out[stamp - first, 0], out[stamp - first, 1] = s, v
 
@@ -57,7 +55,7 @@ def dry_run(
     steps: FloatArray,
     marks: NDArray[np.int64],
     table: FloatArray,
-    tilted: FloatArray,
+    sines: FloatArray,
     p: FloatArray,
     first: int,
     last: int,
@@ -67,9 +65,9 @@ def dry_run(
     s, v, centrifugal = out[0, 0], out[0, 1], p[slots.CENTRIFUGAL]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
-            begin = push(tilted[2 * j], table[2 * j, 1], table[2 * j, 2], p)
-            middle = push(tilted[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
-            end = push(tilted[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
+            begin = push(sines[2 * j], table[2 * j, 1], table[2 * j, 2], p)
+            middle = push(sines[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
+            end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
             s_end, v_end = smooth_step(s, v, steps[j], begin, middle, end, centrifugal)
             s, v = resisted(s, v, steps[j], s_end, v_end, friction_at(table, 2 * j + 1, p))
         out[stamp - first, 0], out[stamp - first, 1] = s, v

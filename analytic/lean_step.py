@@ -73,16 +73,22 @@ class Friction(NamedTuple):
 
 
 @njit(cache=True, inline="always")
-def push(tilted: float, rate: float, angular: float, p: FloatArray) -> Push:
-    """From sin(α + α₀), or α + α₀ in a linear model, α̇ and α̈."""
-    return Push(p[slots.GRAVITY] * tilted, rate, p[slots.ECCENTRIC] * angular)
+def push(tilt: float, rate: float, angular: float, p: FloatArray) -> Push:
+    """From what `tilted` gives, α̇ and α̈."""
+    return Push(p[slots.GRAVITY] * tilt, rate, p[slots.ECCENTRIC] * angular)
+
+
+@njit(cache=True, inline="always")
+def tilted(angle: float, p: FloatArray) -> float:
+    """sin(α + α₀), or α + α₀ in a linear model [1]."""
+    slope = angle + p[slots.LEVEL]
+    return slope if p[slots.LINEAR] != 0.0 else np.sin(slope)
 
 
 @njit(cache=True, inline="always")
 def push_at(beam: FloatArray, row: int, p: FloatArray) -> Push:
     """From a row of the beam's table."""
-    slope = beam[row, 0] + p[slots.LEVEL]
-    return push(slope if p[slots.LINEAR] != 0.0 else np.sin(slope), beam[row, 1], beam[row, 2], p)
+    return push(tilted(beam[row, 0], p), beam[row, 1], beam[row, 2], p)
 
 
 @njit(cache=True, inline="always")

@@ -79,7 +79,7 @@ class SensorLaw:
         """What is recorded of a ball that lies at `position`, any shape; the same shape [m]."""
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that a fit tries and rejects
             recorded = self.gain * (position + position * position * (self.square + self.cube * position))
-        return recorded if self.error is None else recorded + _at(self.error.at, position)
+            return recorded if self.error is None else recorded + _at(self.error.at, position)
 
     def slope(self, position: FloatArray) -> FloatArray:
         """Derivative of `curve`, never below a tenth of the gain, which a sensor's curve does not reach; same shape."""
