@@ -13,6 +13,8 @@ from harness.exports.source import render
 
 JSON_FILE, MAT_FILE, PYTHON_FILE = "statespace.json", "statespace.mat", "statespace.py"
 _MATRICES = ("A", "B", "C", "D")
+# The text that a .mat file begins with, which scipy gives the time: the same model is to give the same file.
+_HEADER, _HEADER_LENGTH = b"MATLAB 5.0 MAT-file", 116
 
 
 def content_of(linear: Linear, pade: int | None) -> dict[str, Any]:
@@ -72,5 +74,6 @@ def statespace_files(linear: Linear, pade: int | None, content: str) -> dict[str
             fields[f"{name}_pade"] = value
     file = io.BytesIO()
     savemat(file, fields, oned_as="column")  # type: ignore[arg-type] # its stubs know no open files
+    mat = _HEADER.ljust(_HEADER_LENGTH) + file.getvalue()[_HEADER_LENGTH:]
     snippet = render("statespace.py.jinja", {"linear": linear, "matrices": _MATRICES, "file": JSON_FILE})
-    return {JSON_FILE: content, MAT_FILE: file.getvalue(), PYTHON_FILE: snippet}
+    return {JSON_FILE: content, MAT_FILE: mat, PYTHON_FILE: snippet}

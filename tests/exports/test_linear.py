@@ -135,6 +135,7 @@ def test_files_hold_the_same_matrices(tmp_path: Path) -> None:
     for name, data in statespace_files(linear, 2, content).items():
         (tmp_path / name).write_bytes(data if isinstance(data, bytes) else data.encode())
     mat, read = loadmat(tmp_path / "statespace.mat"), json.loads(content)
+    assert mat["__header__"].split() == [b"MATLAB", b"5.0", b"MAT-file"]  # and not when, so that the file is the same
     assert [str(one.item()) for one in mat["states"].ravel()] == read["states"]
     assert mat["delay"].item() == read["delay_s"] == linear.delay
     spec = importlib.util.spec_from_file_location("exported_statespace", tmp_path / "statespace.py")
