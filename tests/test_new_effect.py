@@ -99,7 +99,8 @@ def test_blind_trials_find_it(plant: str) -> None:
     assert {one.size for one in every} == {"small", "middle", "large"}
     row = diagnosed(next(one for one in every if one.size == "middle" and one.plant == plant), "test")
     assert row.outcome is Outcome.RIGHT, row
-    assert [one.covers for one in row.intervals()] == [True]
+    (interval,) = row.intervals()
+    assert abs(interval.z) < 4.0, interval  # one of 20 intervals misses the truth; one error in 16,000 is beyond this
 
 
 @pytest.mark.slow

@@ -29,8 +29,9 @@ def test_undeclared_effects_in_an_engines_scene_are_named(monkeypatch: pytest.Mo
 @pytest.mark.slow
 @pytest.mark.parametrize("plant", ENGINES)
 def test_nothing_is_found_where_an_engines_scene_lacks_nothing(plant: str) -> None:
-    """Say none of a scene in which only what is declared acts."""
-    trial = next(one for one in plan(("null",)) if one.plant == plant and one.declared)
-    row = diagnosed(trial, "test")
-    assert row.verdict == "none", row
-    assert row.named == ()
+    """Say none of scenes in which only what is declared acts."""
+    trials = [one for one in plan(("null",)) if one.plant == plant and one.declared][:3]
+    rows = [diagnosed(trial, "test") for trial in trials]
+    # One search of fifty may name something by chance; of three, two do in one plan of 800.
+    assert [row.verdict for row in rows].count("none") >= 2, rows
+    assert all((row.verdict == "none") == (row.named == ()) for row in rows), rows
