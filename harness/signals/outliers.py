@@ -115,14 +115,14 @@ def smooth_spiky(
     declared, prior_weight = (0.0, 0.0) if declared is None else (declared, prior_weight)
     core = known.astype(float)
     noise = Noise(max(rough_noise(value[known]), least) ** 2, 0.0, 0.0, 0.0)
-    stiffness = Stiffness.constant(time)
+    stiffness = Stiffness.constant(time, lowest)
     mean, covariance, energy, dof = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n - 1), np.empty(n - 1)
     for turn in range(_PASSES):
         with np.errstate(divide="ignore"):
             variance = np.where(core > 1e-6, noise.core / core, np.inf)
         density = np.exp(stiffness.log_density)[stiffness.knot]
         evidence = kalman_smoother(time, value, variance, density, mean, covariance, energy, dof)
-        stride = scoring_step(stiffness.knot, stiffness.coupling, energy, dof, stiffness.log_density, lowest)
+        stride = scoring_step(stiffness.knot, stiffness.coupling, stiffness.lowest, energy, dof, stiffness.log_density)
         if turn < _HEAD_START:
             continue
         residual, posterior = (value - mean[:, 0])[known], covariance[known, 0, 0]

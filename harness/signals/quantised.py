@@ -10,6 +10,11 @@ independent and makes the hold too certain. Power expectation propagation (Minka
 as its power is exact there, because a box to any power is the same box. Counts with noise are independent: power 1.
 
 Noise, where unknown, is estimated by expectation maximisation in the same passes, and so is the stiffness.
+
+Where a value moves up and down about a threshold, its counts tell when it crosses, and not how far it goes: a motion
+of a hundredth of a count crosses at the same times as one of half a count, and the stiffest prior comes out. Without
+noise, counts between a change up and one down are a motion that turns within the count. The prior's standard deviation
+over their time is there at least that of a place within a count, q/√12.
 """
 
 from __future__ import annotations
@@ -28,6 +33,7 @@ from harness.signals.spline_smoother import Smoothed, kalman_smoother
 # No encoder's thresholds are spaced better than a twentieth of a count: noise below that has no effect.
 EDGE_NOISE = 0.05
 _REPEATED = 0.3  # of half a count: equal counts are repetitions while the prior's deviation is below this
+_TURN = 3  # stamps: fewer counts between opposite changes may be those of a creep whose threshold is uncertain
 _PASSES = 60
 _PASSES_FOR_NOISE = 30
 _DAMPING = 0.7
@@ -75,6 +81,35 @@ def _runs(time: FloatArray, count: FloatArray, half: float) -> tuple[FloatArray,
     return many, long
 
 
+@njit(cache=True)
+def _let_turn(
+    time: FloatArray, count: FloatArray, half: float, knot: NDArray[np.int64], lowest: FloatArray
+) -> FloatArray:
+    """Least log density at the knots, shape (m,), where the value moves up and down about a threshold.
+
+    No lower than `lowest`. Such a motion turns within two counts in a row at least; a large one passes those beside the
+    one in which it turns. There the prior's variance over the time t of equal counts, d t⁵/20, is that of a place
+    within a count. Stamps without a reading are passed over.
+    """
+    least = lowest.copy()
+    begin, last, many, before, turned = 0, -1, 0, 0.0, -1  # `turned`: where the last counts began, if the value turned
+    for k in range(len(time)):
+        if math.isnan(count[k]):
+            continue
+        change = count[k] - count[last] if last >= 0 else 0.0
+        if abs(change) > half:
+            turns = change * before < 0.0 and many >= _TURN
+            if turns and turned >= 0:
+                for first, end in ((turned, begin), (begin, k)):
+                    turning = math.log(20.0 * half**2 / 3.0 / (time[end] - time[first]) ** 5)
+                    for step in range(first, end):
+                        least[knot[step]] = max(least[knot[step]], turning)
+            turned = begin if turns else -1
+            begin, before, many = k, change, 0
+        last, many = k, many + 1
+    return least
+
+
 class _Readings(NamedTuple):
     """Stamps [s] and values [unit], NaN where none was taken, shape (n,); half a count, 0 for continuous readings."""
 
@@ -88,6 +123,7 @@ class _Prior(NamedTuple):
 
     knot: NDArray[np.int64]
     coupling: FloatArray
+    lowest: FloatArray
     log_density: FloatArray
     density: FloatArray
 
@@ -115,7 +151,7 @@ def _propagate(
     The sites of continuous readings are their values with the noise's variance.
     """
     time, count, half = readings
-    knot, coupling, log_density, density = prior
+    knot, coupling, lowest, log_density, density = prior
     precision, shift = sites
     n = len(time)
     value, variance = np.empty(n), np.empty(n)
@@ -166,7 +202,7 @@ def _propagate(
             shift[k] += _DAMPING * ((mt / vt - mc * cavity) / power - shift[k])
         if turn < _HEAD_START:
             continue
-        stride = scoring_step(knot, coupling, energy, dof, log_density) if learn_density else 0.0
+        stride = scoring_step(knot, coupling, lowest, energy, dof, log_density) if learn_density else 0.0
         if learn_noise:
             ratio = max(noise_energy / (informing * deviation**2), 1e-3) ** (0.5 * _OVERRELAXATION)
             noise = max(deviation * ratio, least_noise)
@@ -212,7 +248,7 @@ def smooth_rounded(
     path = np.full(n - 1, 1.0 if density is None else density)
 
     readings = _Readings(time, count, 0.5 * step)
-    prior = _Prior(stiffness.knot, stiffness.coupling, log_density, path)
+    prior = _Prior(stiffness.knot, stiffness.coupling, stiffness.lowest, log_density, path)
 
     def begin(noise: float) -> _Sites:
         precision = np.where(known, 1.0 / (step**2 / 12.0 + max(noise, EDGE_NOISE * step) ** 2), 0.0)
@@ -224,6 +260,8 @@ def smooth_rounded(
         # The estimate converges slowly towards zero: below this it is no dither.
         if noise < 2.0 * EDGE_NOISE * step:
             noise = 0.0
+    if step > 0.0 and noise <= EDGE_NOISE * step:
+        prior = prior._replace(lowest=_let_turn(time, count, 0.5 * step, prior.knot, prior.lowest))
     sites = begin(noise)
     evidence, _ = _propagate(readings, prior, sites, noise, False, _PASSES, mean, covariance)
     with np.errstate(divide="ignore"):

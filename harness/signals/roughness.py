@@ -33,11 +33,13 @@ class Stiffness:
         knot: index of the knot whose density a step has, shape (n − 1,).
         log_density: at the knots, shape (m,) [log unit²/s⁵]; changed in place by `scoring_step`.
         coupling: inverse variance of the walk between neighbouring knots, shape (m − 1,).
+        lowest: log density below which no knot goes, shape (m,).
     """
 
     knot: NDArray[np.int64]
     log_density: FloatArray
     coupling: FloatArray
+    lowest: FloatArray
 
     @classmethod
     def over(cls, time: FloatArray) -> Stiffness:
@@ -45,27 +47,28 @@ class Stiffness:
         begin = np.floor((time[:-1] - time[0]) / KNOT_SPACING + 1e-9)
         cells, knot = np.unique(begin, return_inverse=True)
         coupling = 1.0 / (WALK_STD**2 * KNOT_SPACING * np.diff(cells))
-        return cls(knot.astype(np.int64), np.full(len(cells), _START), coupling)
+        m = len(cells)
+        return cls(knot.astype(np.int64), np.full(m, _START), coupling, np.full(m, LOG_DENSITIES[0]))
 
     @classmethod
-    def constant(cls, time: FloatArray) -> Stiffness:
-        """One density for all the stamps `time`, shape (n,) [s]."""
-        return cls(np.zeros(len(time) - 1, np.int64), np.full(1, _START), np.empty(0))
+    def constant(cls, time: FloatArray, lowest: float = LOG_DENSITIES[0]) -> Stiffness:
+        """One density for all the stamps `time`, shape (n,) [s]; its logarithm is no lower than given."""
+        return cls(np.zeros(len(time) - 1, np.int64), np.full(1, _START), np.empty(0), np.full(1, lowest))
 
 
 @njit(cache=True)
 def scoring_step(
     knot: NDArray[np.int64],
     coupling: FloatArray,
+    lowest: FloatArray,
     energy: FloatArray,
     dof: FloatArray,
     log_density: FloatArray,
-    lowest: float = LOG_DENSITIES[0],
 ) -> float:
     """One step of Fisher scoring on `log_density`, in place; return its largest change.
 
     With θ the log density, ∂ log evidence / ∂θ = ½ Σ (energy − dof) over the knot's steps (`kalman_smoother`); the
-    Fisher information is ½ Σ dof, minus the second derivative where energy equals dof. No knot goes below `lowest`.
+    Fisher information is ½ Σ dof, minus the second derivative where energy equals dof.
     """
     m = len(log_density)
     diagonal, stride, ratio = np.full(m, 1e-3), np.zeros(m), np.zeros(m)
@@ -90,7 +93,7 @@ def scoring_step(
         if j < m - 1:
             stride[j] += ratio[j] * stride[j + 1]
         step = min(max(stride[j], -_LONGEST_STRIDE), _LONGEST_STRIDE)
-        after = min(max(log_density[j] + step, lowest), LOG_DENSITIES[1])
+        after = min(max(log_density[j] + step, lowest[j]), LOG_DENSITIES[1])
         longest = max(longest, abs(after - log_density[j]))
         log_density[j] = after
     return longest

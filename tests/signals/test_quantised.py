@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import truncnorm
 
 from harness.signals import smooth_rounded
-from harness.signals.quantised import _runs, _truncated_normal, rough_noise
+from harness.signals.quantised import _let_turn, _runs, _truncated_normal, rough_noise
 from tests.signals.known_angles import encoder, rms, servo_angle
 
 TIME = np.arange(0.0, 16.0, 0.01)
@@ -108,3 +108,38 @@ def test_rough_noise_ignores_motion_and_spikes():
     # A wild reading spoils three second differences of 0.3 n: the median then sits at the 0.71 quantile of the good
     # ones, 1.57 times too high. It is a start value, not a result.
     assert 0.9e-3 < rough_noise(value) < 1.8e-3
+
+
+def test_a_motion_about_a_threshold_is_known_as_well_as_stated() -> None:
+    """State the error of a value whose counts go to and fro, which tell when it crosses and not how far it goes."""
+    generator, step = np.random.default_rng(4), 1.5e-3
+    scores = []
+    for _ in range(20):
+        # Two to four counts a second, 0.15 to 0.45 of a count to each side of a threshold that is somewhere near.
+        rates, sizes = generator.uniform(2.0, 4.0, 3), generator.uniform(0.05, 0.15, 3)
+        swings = sizes @ np.sin(2.0 * math.pi * rates[:, None] * TIME + generator.uniform(0.0, 6.3, (3, 1)))
+        truth = (generator.uniform(0.45, 0.55) + swings) * step
+        smoothed, _, _ = smooth_rounded(TIME, np.rint(truth / step) * step, step)
+        scores.append(rms((smoothed.mean[:, 0] - truth) / np.sqrt(smoothed.covariance[:, 0, 0])))
+    # The stiffest prior that the crossings allow gives 8 to 11. The density still comes out low, as what is between the
+    # crossings speaks for none: 1.3 (at most 2) here, and 1 where the beam moves further.
+    assert np.median(scores) < 1.6
+    assert max(scores) < 2.3
+
+
+def test_a_large_motion_may_be_as_stiff_as_it_is() -> None:
+    """Ask for no rougher prior where a motion over many counts turns, nor where the value rests on one."""
+    knot, lowest = np.arange(len(TIME) - 1), np.full(len(TIME) - 1, -22.0)
+    for truth in (0.03 * np.cos(math.pi * TIME), np.zeros(len(TIME)), np.where(TIME > 8.0, 0.03, 0.0)):
+        assert np.all(_let_turn(TIME, np.rint(truth / 1e-3) * 1e-3, 0.5e-3, knot, lowest) == lowest)
+
+
+def test_the_prior_lets_a_value_turn_where_its_counts_do() -> None:
+    """Spread by q/√12 over the counts between opposite changes, and pass missing ones over."""
+    count = np.repeat([0.0, 1.0, 0.0, 1.0, 2.0], 10)
+    count[13] = np.nan
+    time = 0.01 * np.arange(50)
+    least = _let_turn(time, count, 0.5, np.arange(49), np.full(49, -22.0))
+    assert np.all(least[10:30] > -22.0)
+    assert np.all(least[[*range(10), *range(30, 49)]] == -22.0)
+    assert np.sqrt(np.exp(least[15]) * 0.1**5 / 20.0) == pytest.approx(1.0 / math.sqrt(12.0))

@@ -17,7 +17,9 @@ def scored(time, value, variance, stiffness, passes=60):
     for _ in range(passes):
         density = np.exp(stiffness.log_density)[stiffness.knot]
         kalman_smoother(time, value, np.full(n, variance), density, *room)
-        stride = scoring_step(stiffness.knot, stiffness.coupling, room[2], room[3], stiffness.log_density)
+        stride = scoring_step(
+            stiffness.knot, stiffness.coupling, stiffness.lowest, room[2], room[3], stiffness.log_density
+        )
         if stride < 1e-6:
             break
     return stiffness.log_density
@@ -47,7 +49,7 @@ def test_scoring_step_solves_the_coupled_knots():
         walk[j : j + 2, j : j + 2] += c * np.array([[1.0, -1.0], [-1.0, 1.0]])
     before = stiffness.log_density + 0.1 * generator.standard_normal(m)
     after = before.copy()
-    scoring_step(stiffness.knot, stiffness.coupling, energy, dof, after)
+    scoring_step(stiffness.knot, stiffness.coupling, stiffness.lowest, energy, dof, after)
     expected = np.linalg.solve(np.diag(information) + walk, gradient - walk @ before)
     assert np.allclose(after - before, np.clip(expected, -1.0, 1.0), atol=1e-12)
 
