@@ -75,9 +75,11 @@ ELSEWHERE := acceptance api benchmarks docs engines exports fuzz identify/design
 test-generic: $(INSTALLED) ## the fast tests of what is computed, as on a processor without vector extensions
 	$(GENERIC) $(BIN)/pytest -m "not slow" -n $(JOBS) --dist loadfile $(ELSEWHERE:%=--ignore=tests/%) $(ARGS)
 
+# As they are collected: xdist would begin with the files of many tests and end with single ones of some minutes, for
+# which the other workers wait.
 .PHONY: test-slow
 test-slow: $(INSTALLED) ## the tests that take minutes
-	$(BIN)/pytest -m slow -n $(JOBS) --dist loadfile --durations=40 $(ARGS)
+	$(BIN)/pytest -m slow -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=40 $(ARGS)
 
 .PHONY: mutants
 mutants: $(INSTALLED) ## change the code here and there and list what no test notices (hours; ARGS="--sample 40" takes one)
