@@ -81,7 +81,6 @@ def _runs(time: FloatArray, count: FloatArray, half: float) -> tuple[FloatArray,
     return many, long
 
 
-@njit(cache=True)
 def _let_turn(
     time: FloatArray, count: FloatArray, half: float, knot: NDArray[np.int64], lowest: FloatArray
 ) -> FloatArray:
@@ -90,23 +89,25 @@ def _let_turn(
     No lower than `lowest`. Such a motion turns within two counts in a row at least; a large one passes those beside the
     one in which it turns. There the prior's variance over the time t of equal counts, d t⁵/20, is that of a place
     within a count. Stamps without a reading are passed over.
+
+    Args:
+        time: stamps, shape (n,) [s].
+        count: readings, shape (n,), NaN where none was taken [unit].
+        half: half the distance of two counts [unit].
+        knot: of each step, shape (n − 1,).
+        lowest: log density at the knots, shape (m,) [log unit²/s⁵].
     """
-    least = lowest.copy()
-    begin, last, many, before, turned = 0, -1, 0, 0.0, -1  # `turned`: where the last counts began, if the value turned
-    for k in range(len(time)):
-        if math.isnan(count[k]):
-            continue
-        change = count[k] - count[last] if last >= 0 else 0.0
-        if abs(change) > half:
-            turns = change * before < 0.0 and many >= _TURN
-            if turns and turned >= 0:
-                for first, end in ((turned, begin), (begin, k)):
-                    turning = math.log(20.0 * half**2 / 3.0 / (time[end] - time[first]) ** 5)
-                    for step in range(first, end):
-                        least[knot[step]] = max(least[knot[step]], turning)
-            turned = begin if turns else -1
-            begin, before, many = k, change, 0
-        last, many = k, many + 1
+    known = np.flatnonzero(np.isfinite(count))
+    change = np.diff(count[known])
+    changes = np.flatnonzero(np.abs(change) > half)
+    up = change[changes] > 0.0
+    turns = (up[1:] != up[:-1]) & (np.diff(changes) >= _TURN)  # of the counts between two changes
+    dithers = turns & (np.append(False, turns[:-1]) | np.append(turns[1:], False))
+    least, first = lowest.copy(), known[changes + 1]
+    for i in np.flatnonzero(dithers):
+        begin, end = first[i], first[i + 1]
+        turning = math.log(20.0 * half**2 / 3.0 / (time[end] - time[begin]) ** 5)
+        np.maximum.at(least, knot[begin:end], turning)
     return least
 
 

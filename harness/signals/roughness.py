@@ -33,7 +33,7 @@ class Stiffness:
         knot: index of the knot whose density a step has, shape (n − 1,).
         log_density: at the knots, shape (m,) [log unit²/s⁵]; changed in place by `scoring_step`.
         coupling: inverse variance of the walk between neighbouring knots, shape (m − 1,).
-        lowest: log density below which no knot goes, shape (m,).
+        lowest: log density below which no knot goes, shape (m,) [log unit²/s⁵].
     """
 
     knot: NDArray[np.int64]
@@ -52,7 +52,7 @@ class Stiffness:
 
     @classmethod
     def constant(cls, time: FloatArray, lowest: float = LOG_DENSITIES[0]) -> Stiffness:
-        """One density for all the stamps `time`, shape (n,) [s]; its logarithm is no lower than given."""
+        """One density for all the stamps `time`, shape (n,) [s], whose logarithm is no lower [log unit²/s⁵]."""
         return cls(np.zeros(len(time) - 1, np.int64), np.full(1, _START), np.empty(0), np.full(1, lowest))
 
 
