@@ -43,8 +43,8 @@ def search(
 ) -> Selection:
     """Select the terms that the recordings require beside the known effects.
 
-    Where the ball tells after the first of them that the beam moves more roughly than its angle's readings show, the
-    search begins anew with such a beam.
+    Where the ball tells, before or after the first of them, that the beam moves more roughly than its angle's readings
+    show, the search begins anew with such a beam. A play may seem to act for want of it, and must not come first.
 
     Args:
         failures: collects candidates and steps that raise, without which the search goes on; `None` lets them raise.
@@ -52,12 +52,14 @@ def search(
     """
     ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
-    begun = ledger.attempt("first round", lambda: first_round(problem, base, ledger, progress), Round())
-    rougher = ledger.attempt(
-        "roughness of the beam", lambda: with_beam_roughness(problem, begun.kept or base, progress), problem
-    )
+    rougher = _as_rough_as_told(problem, base, ledger, progress)
     if rougher is not problem:
         return search(rougher, progress, failures, jobs=jobs)
+    begun = ledger.attempt("first round", lambda: first_round(problem, base, ledger, progress), Round())
+    if begun.kept is not None:
+        rougher = _as_rough_as_told(problem, begun.kept, ledger, progress)
+        if rougher is not problem:
+            return search(rougher, progress, failures, jobs=jobs)
     selected = _by_likelihood(problem, base, begun, ledger, progress)
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
@@ -74,6 +76,11 @@ def search(
             chosen,
         )
     return Selection(problem, base, found, tuple(ledger.lines))
+
+
+def _as_rough_as_told(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Problem:
+    """The problem with the roughness of the beam that the ball tells beside what acts in `found`."""
+    return ledger.attempt("roughness of the beam", lambda: with_beam_roughness(problem, found, progress), problem)
 
 
 def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, progress: Progress) -> Fit:
