@@ -6,7 +6,7 @@ from pathlib import Path
 
 from harness.errors import InputError
 from harness.importing.bytes import head_of
-from harness.importing.matlab import HDF5, read_matlab
+from harness.importing.matlab import HDF5
 from harness.importing.matlab_process import read_apart
 from harness.importing.ros import is_bag, read_bag
 from harness.importing.signals import SourceFile
@@ -29,7 +29,7 @@ def read_file(path: Path) -> SourceFile:
     if not head.strip():
         raise InputError(f"{path}: is empty. Check that the recording was saved completely.")
     if head.startswith((b"MATLAB", b"\x00\x00\x00\x00")) or HDF5 in head or path.suffix.lower() == ".mat":
-        return read_matlab(path) if HDF5 in head else read_apart(path)
+        return read_apart(path)
     if head.startswith(b"PAR1"):
         return read_parquet(path)
     if head.startswith(b"PK\x03\x04"):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
-from harness.importing import read_file
+from harness.importing import matlab_process, read_file
 from tests.importing import made
 
 
@@ -26,5 +26,9 @@ def test_a_missing_package_is_told(
     else:
         path.write_bytes(b"\x89MCAP0\r\n")
     monkeypatch.setitem(sys.modules, package, None)
+    (tmp_path / "without").mkdir()  # what a process of its own, which reads MAT-files, finds instead
+    (tmp_path / "without" / f"{package}.py").write_text("raise ImportError", encoding="utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "without"))
+    monkeypatch.setattr(matlab_process, "_started", None)
     with pytest.raises(InputError, match=rf"pip install 'ball-beam-harness\[{extra}\]'"):
         read_file(path)
