@@ -1,8 +1,8 @@
 """MAT-files are read in a process of its own, which a crash cannot take down with the program.
 
-A number type that does not exist, as in a damaged file, makes SciPy and mat-io follow a null pointer, and what a damaged
-file makes the HDF5 library do is as little in our hands. The process is kept for further files, as to start it takes half
-a second.
+A number type that does not exist, as in a damaged file, makes SciPy and mat-io follow a null pointer, and what a
+damaged file makes the HDF5 library do is as little in our hands. The process is kept for further files, as to start it
+takes half a second.
 """
 
 from __future__ import annotations
