@@ -11,7 +11,7 @@ from analytic.compiled import njit
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
-from analytic.slots import DAHL, TRACTION
+from analytic.slots import DAHL, ECCENTRIC, TRACTION
 from harness.identify.filter.arguments import (
     NUDGE,
     UNSTEADY,
@@ -59,7 +59,8 @@ def any_state(
     β = 1/(S' + √(R' S')) replaces L (Potter), made triangular again.
 
     The derivatives by ė and ë follow from that by e: over a step Δt, an error e + ė u + ½ ë u² adds to the velocity
-    what e + ė Δt/2 + ë Δt²/6 does, to the position what e + ė Δt/3 + ë Δt²/12 does.
+    what e + ė Δt/2 + ë Δt²/6 does, to the position what e + ė Δt/3 + ë Δt²/12 does. The change of ė over the step adds
+    −K ℓ times itself to the velocity.
     """
     time, position = readings.time, readings.position
     lag, reading_variance = sensor.lag, sensor.reading_variance
@@ -72,7 +73,7 @@ def any_state(
     x, mean, nudges, f = np.zeros(8), np.zeros(8), np.zeros(few + 1), np.zeros(size)
     balls = np.zeros((few + 2, 8))  # where it is, and where it would be from a state that is a little off, one by one
     moved, off = balls[0], balls[1:]
-    F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES))
+    F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES + 1))
     beyond = np.zeros((2, 1, 8))
     ahead, behind = beyond[0], beyond[1]
     path = path_of(p)
@@ -96,8 +97,10 @@ def any_state(
                     nudges[j] = NUDGE[index]
                 off[j] = x
                 off[j, index] += nudges[j]
-            _over(balls[:-1], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
-            _over(balls[few + 1 :], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)  # on another angle
+            A, B = error.transition[k - 1], error.root[k - 1]
+            change = _change(x, A) / dt
+            _over(balls[:-1], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)
+            _over(balls[few + 1 :], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)  # other angle
             for j in range(few + 1):
                 for i in range(few):
                     F[i, j] = (off[j, states[i]] - moved[states[i]]) / nudges[j]
@@ -114,28 +117,46 @@ def any_state(
             for i in range(3):
                 moved[_ERROR + i] = 0.0
                 for j in range(3):
-                    F[few + i, few + j] = error.transition[k - 1, i, j]
-                    M[few + i, size + 2 + j] = error.root[k - 1, i, j]
+                    F[few + i, few + j] = A[i, j]
+                    M[few + i, size + 2 + j] = B[i, j]
                     moved[_ERROR + i] += F[few + i, few + j] * x[_ERROR + j]
             if coloured:
                 kept = math.exp(-dt / sensor.colour_time)
                 F[last, last], moved[_COLOUR] = kept, kept * x[_COLOUR]
                 M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
+            for i in range(few):
+                if moved[1] != 0.0 and (states[i] <= 1 or (states[i] == 2 and slips and moved[2] != 0.0)):
+                    throw = -p[ECCENTRIC] * (0.5 * dt if states[i] == 0 else 1.0)
+                    for j in range(size):
+                        M[i, j] += throw * (M[few + 1, j] - L[few + 1, j])
+                    for j in range(3):
+                        M[i, size + 2 + j] += throw * B[1, j]
             # slip begins and ends at any velocity
             if bends and not math.isnan(position[k]) and (slips or may_stop(x[1], moved[1], _square(L, row_of_v))):
                 mean[:] = moved  # to be increased by second differences
-                for j in range(size):
+                spread = math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)  # of the noise of ė
+                for j in range(size + 1):
                     ahead[0] = x
                     behind[0] = x
-                    for i in range(size):
-                        ahead[0, states[i]] += REACH * L[i, j]
-                        behind[0, states[i]] -= REACH * L[i, j]
-                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
-                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, local)
+                    noise = 0.0
+                    if j < size:
+                        for i in range(size):
+                            ahead[0, states[i]] += REACH * L[i, j]
+                            behind[0, states[i]] -= REACH * L[i, j]
+                    else:
+                        noise = REACH * spread
+                    more, less = (_change(ahead[0], A) + noise) / dt, (_change(behind[0], A) - noise) / dt
+                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, more, local)
+                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, less, local)
                     for i in range(few):
                         bend = ahead[0, states[i]] + behind[0, states[i]] - 2.0 * moved[states[i]]
-                        M[i, j] = FIRST * (ahead[0, states[i]] - behind[0, states[i]])
+                        by = FIRST * (ahead[0, states[i]] - behind[0, states[i]])
+                        if j < size:
+                            M[i, j] = by
+                        else:
+                            for c in range(3):
+                                M[i, size + 2 + c] = by * (B[1, c] / spread if spread > 0.0 else 0.0)
                         M[i, size + _SOURCES + j] = SECOND * bend
                         mean[states[i]] += SHIFT * bend
                 moved[:] = mean
@@ -191,18 +212,20 @@ def _over(
     p: FloatArray,
     path: int,
     lag: float,
+    change: float,
     local: FloatArray,
 ) -> None:
     """Integrate states over the steps from `first` to `last`, in place; all but the errors.
 
     Args:
         balls: states with the same errors, shape (m, 8).
+        change: of their ė until the next stamp, over the time to it [rad/s²].
         local: workspace, shape (3, 3 or 4).
     """
     since = 0.0
     for j in range(first, last):
         h = beam.steps[j]
-        shifted(beam, j, since, balls[0, 4], balls[0, 5], balls[0, 6], local)
+        shifted(beam, j, since, balls[0, 4], balls[0, 5], balls[0, 6], change, local)
         since += h
         on = beam_step(path, local, 0, p)
         for i in range(len(balls)):
@@ -211,6 +234,13 @@ def _over(
             if lag > 0.0:
                 balls[i, 3] = lagging(balls[i, 3], before, s, h, lag)
             balls[i, 0], balls[i, 1], balls[i, 2] = s, v, w
+
+
+@njit(cache=True, inline="always")
+def _change(x: FloatArray, A: FloatArray) -> float:
+    """By how much the mean of ė changes over a step with the transition A of (e, ė, ë) [rad/s]."""
+    e, rate, angular = x[_ERROR], x[_ERROR + 1], x[_ERROR + 2]
+    return A[1, 0] * e + A[1, 1] * rate + A[1, 2] * angular - rate
 
 
 @njit(cache=True, inline="always")

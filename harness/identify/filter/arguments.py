@@ -158,14 +158,19 @@ def lagging(y: float, before: float, s: float, h: float, lag: float) -> float:
 
 
 @njit(cache=True, inline="always")
-def shifted(beam: BeamTable, step: int, since: float, e: float, rate: float, angular: float, out: FloatArray) -> None:
-    """The rows of the beam's table for one step, α increased by its error, into `out`, shape (3, 3 or 4).
+def shifted(
+    beam: BeamTable, step: int, since: float, e: float, rate: float, angular: float, change: float, out: FloatArray
+) -> None:
+    """The rows of the beam's table for one step, α and α̈ increased by their errors, into `out`, shape (3, 3 or 4).
 
-    Only the angle itself is shifted. What ë adds to ℓ α̈ displaces the ball by K ℓ e, a few micrometres.
+    A ball that rolls has a velocity that is wrong by K ℓ ė, as the pivot throws it back, and forgets that when ė
+    changes. One that is held until the beam starts keeps what ė was then: the error is taken as a change of ė between
+    the stamps, which adds up to ė over any time; ë from stamp to stamp would not.
 
     Args:
         step: index of the step.
         since: time from the stamp, at which the error is e [rad], ė [rad/s], ë [rad/s²], to the step's begin [s].
+        change: of ė from this stamp to the next one, over the time between them [rad/s²].
     """
     half = 0.5 * beam.steps[step]
     for i in range(3):
@@ -173,3 +178,4 @@ def shifted(beam: BeamTable, step: int, since: float, e: float, rate: float, ang
         for c in range(out.shape[1]):
             out[i, c] = beam.table[2 * step + i, c]
         out[i, 0] += e + u * (rate + 0.5 * u * angular)
+        out[i, 2] += change

@@ -55,6 +55,9 @@ def step_at_points(
     v: float,
     L: FloatArray,
     M: FloatArray,
+    A: FloatArray,
+    B: FloatArray,
+    dt: float,
     beam: BeamTable,
     first: int,
     last: int,
@@ -63,13 +66,16 @@ def step_at_points(
 ) -> tuple[float, float]:
     """Mean (s, ṡ) after the steps from `first` to `last`.
 
-    The rows of s and ṡ in the compound root M, shape (5, 10), are replaced: first differences in the columns of L,
-    process noise and second differences, whose covariance is 2 × 2, together in the columns of process noise.
+    The rows of s and ṡ in the compound root M, shape (5, 10), are replaced: first differences in the columns of L and
+    of the error's noise, process noise and second differences, whose covariance is 2 × 2, together in the columns of
+    process noise.
 
     Args:
         x: state (s, ṡ, e, ė, ë) before.
         s, v: after the steps from x.
         L: root of the covariance before, shape (5, 5).
+        A, B: transition of (e, ė, ë) over the step and root of its noise, shape (3, 3).
+        dt: time between the stamps [s].
         local: workspace, shape (3, 3 or 4).
     """
     ends, path = np.empty((2, 2)), path_of(p)
@@ -77,18 +83,31 @@ def step_at_points(
     variance_s = M[0, 5] ** 2
     covariance = M[0, 5] * M[1, 5]
     variance_v = M[1, 5] ** 2 + M[1, 6] ** 2
-    for j in range(5):
+    spread = math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)  # of the noise of ė, all that moves the ball at once
+    for j in range(6):
         for side in range(2):
             reach = REACH if side == 0 else -REACH
-            a, b = x[0] + reach * L[0, j], x[1] + reach * L[1, j]
+            a, b, e0, e1, e2, noise = x[0], x[1], x[2], x[3], x[4], 0.0
+            if j < 5:
+                a, b = a + reach * L[0, j], b + reach * L[1, j]
+                e0, e1, e2 = e0 + reach * L[2, j], e1 + reach * L[3, j], e2 + reach * L[4, j]
+            else:
+                noise = reach * spread
+            change = (A[1, 0] * e0 + A[1, 1] * e1 + A[1, 2] * e2 + noise - e1) / dt
             since = 0.0
             for i in range(first, last):
-                shifted(beam, i, since, x[2] + reach * L[2, j], x[3] + reach * L[3, j], x[4] + reach * L[4, j], local)
+                shifted(beam, i, since, e0, e1, e2, change, local)
                 since += beam.steps[i]
                 on = beam_step(path, local, 0, p)
                 a, b, _ = ball_step(path, on, a, b, 0.0, beam.steps[i], local, 0, p)
             ends[side, 0], ends[side, 1] = a, b
-        M[0, j], M[1, j] = FIRST * (ends[0, 0] - ends[1, 0]), FIRST * (ends[0, 1] - ends[1, 1])
+        by_s, by_v = FIRST * (ends[0, 0] - ends[1, 0]), FIRST * (ends[0, 1] - ends[1, 1])
+        if j < 5:
+            M[0, j], M[1, j] = by_s, by_v
+        else:
+            for c in range(3):
+                share = B[1, c] / spread if spread > 0.0 else 0.0
+                M[0, 7 + c], M[1, 7 + c] = share * by_s, share * by_v
         bend_s, bend_v = ends[0, 0] + ends[1, 0] - 2.0 * s, ends[0, 1] + ends[1, 1] - 2.0 * v
         mean_s, mean_v = mean_s + SHIFT * bend_s, mean_v + SHIFT * bend_v
         variance_s += (SECOND * bend_s) ** 2

@@ -11,6 +11,7 @@ from analytic.law import acceleration
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
+from analytic.slots import ECCENTRIC
 from harness.identify.filter.arguments import (
     NUDGE,
     VELOCITY_VARIANCE,
@@ -61,9 +62,10 @@ def usual_state(
             A, B = error.transition[k - 1], error.root[k - 1]
             along = velocity_nudge(v, L[1, 0] ** 2 + L[1, 1] ** 2)
             s0, v0, s1, v1, s2, v2 = s, v, s + NUDGE[0], v, s, v + along
+            change = (A[1, 0] * e0 + A[1, 1] * e1 + A[1, 2] * e2 - e1) / dt
             since = 0.0
             for j in range(marks[k - 1], marks[k]):
-                shifted(beam, j, since, e0, e1, e2, here)
+                shifted(beam, j, since, e0, e1, e2, change, here)
                 h = steps[j]
                 since += h
                 on = beam_step(path, here, 0, p)
@@ -73,20 +75,24 @@ def usual_state(
             root = math.sqrt(process_noise * dt)
             M[:, 5:] = 0.0
             M[0, 5], M[1, 5], M[1, 6] = root * dt / math.sqrt(3.0), root * math.sqrt(0.75), 0.5 * root
+            for i in range(3):
+                for c in range(5):
+                    M[2 + i, c] = A[i, 0] * L[2, c] + A[i, 1] * L[3, c] + A[i, 2] * L[4, c]
+                for c in range(3):
+                    M[2 + i, 7 + c] = B[i, c]
             if dry and not math.isnan(position[k]) and may_stop(v0, v, L[1, 0] ** 2 + L[1, 1] ** 2):
                 x[0], x[1], x[2], x[3], x[4] = s0, v0, e0, e1, e2
-                s, v = step_at_points(x, s, v, L, M, beam, marks[k - 1], marks[k], p, here)
+                s, v = step_at_points(x, s, v, L, M, A, B, dt, beam, marks[k - 1], marks[k], p, here)
             else:
                 response = _response(s0, v0, beam.table[2 * marks[k - 1]], p)  # which hardly changes within the step
                 by_s, by_v, by_e = (s1 - s) / NUDGE[0], (s2 - s) / along, 0.5 * response * dt * dt
                 _compound(M, 0, L, by_s, by_v, by_e, dt / 3.0, dt * dt / 12.0)
                 by_s, by_v, by_e = (v1 - v) / NUDGE[0], (v2 - v) / along, response * dt
                 _compound(M, 1, L, by_s, by_v, by_e, dt / 2.0, dt * dt / 6.0)
-            for i in range(3):
-                for c in range(5):
-                    M[2 + i, c] = A[i, 0] * L[2, c] + A[i, 1] * L[3, c] + A[i, 2] * L[4, c]
-                for c in range(3):
-                    M[2 + i, 7 + c] = B[i, c]
+                for c in range(_WIDTH):
+                    thrown = -p[ECCENTRIC] * (M[3, c] - (L[3, c] if c < 5 else 0.0))  # by the change of ė
+                    M[0, c] += 0.5 * dt * thrown
+                    M[1, c] += thrown
             _triangular(M, L)
             e0, e1, e2 = (
                 A[0, 0] * e0 + A[0, 1] * e1 + A[0, 2] * e2,

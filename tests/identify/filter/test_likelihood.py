@@ -7,7 +7,7 @@ import pytest
 
 from analytic.models import CAM, coefficients
 from analytic.rig import Rig
-from analytic.slots import GRAVITY, LINEAR
+from analytic.slots import ECCENTRIC, GRAVITY, LINEAR
 from harness.identify.filter.any_state import any_state
 from harness.identify.filter.arguments import (
     VELOCITY_VARIANCE,
@@ -50,6 +50,9 @@ def test_the_likelihood_is_the_dense_one(form, process_noise: float) -> None:
         here = slice(2 + 3 * k, 5 + 3 * k)
         noises[k + 1, here] += response * h**2 * np.array([1 / 2, h / 6, h**2 / 24])
         speeds[k + 1, here] += response * h * np.array([1.0, h / 2, h**2 / 6])
+        for column, change in ((3 + 3 * k, -1.0), (6 + 3 * k, 1.0)):  # of ė, for which the pivot throws the ball back
+            noises[k + 1, column] -= p[ECCENTRIC] * 0.5 * h * change
+            speeds[k + 1, column] -= p[ECCENTRIC] * change
         root = np.sqrt(process_noise * h) * np.array([[h / np.sqrt(3.0), 0.0], [np.sqrt(0.75), 0.5]])
         there = slice(2 + errors + 2 * k, 4 + errors + 2 * k)
         noises[k + 1, there] += root[0]
