@@ -47,9 +47,14 @@ class ErrorProcess(NamedTuple):
         return ErrorProcess(gain * gain * self.covariance, self.transition, abs(gain) * self.root)
 
     def inflated(self, factor: FloatArray) -> ErrorProcess:
-        """That of an error whose variance is `factor`, shape (n,), times as large at each stamp [1]."""
-        root = np.sqrt(factor)[:, None, None]
-        return ErrorProcess(root**2 * self.covariance, root[1:] / root[:-1] * self.transition, root[1:] * self.root)
+        """That of an e, but not of ė and ë, whose variance is `factor`, shape (n,), times as large at each stamp [1]."""
+        root = np.ones((len(factor), 3))
+        root[:, 0] = np.sqrt(factor)
+        return ErrorProcess(
+            root[:, :, None] * self.covariance * root[:, None, :],
+            root[1:, :, None] * self.transition / root[:-1, None, :],
+            root[1:, :, None] * self.root,
+        )
 
     def between(self, first: int, last: int) -> ErrorProcess:
         """That of the stamps `first` … `last` − 1 alone."""
