@@ -47,7 +47,7 @@ class ErrorProcess(NamedTuple):
         return ErrorProcess(gain * gain * self.covariance, self.transition, abs(gain) * self.root)
 
     def inflated(self, factor: FloatArray) -> ErrorProcess:
-        """That of an e, but not of ė and ë, whose variance is `factor`, shape (n,), times as large at each stamp [1]."""
+        """That of an e whose variance is `factor`, shape (n,), times as large at each stamp; ė and ë stay [1]."""
         root = np.ones((len(factor), 3))
         root[:, 0] = np.sqrt(factor)
         return ErrorProcess(
