@@ -57,7 +57,7 @@ class Evidence:
         before, after: deviance of each recording by fits to the others, without and with the term tried (SPLINE);
             errors of held-out blocks, of the alternative and of the fit tried, each by its own estimator [m] (RESTORE);
             in-sample loss of both [m²], one number each (EXCHANGE).
-        tests: number of candidates among which the significance level is divided (EXTEND).
+        tests: number of candidates among which the significance level is divided (EXTEND, EXCHANGE).
         nested: whether the effect is nested in the spline term (ABSORB).
         weight: by which the gain in deviance is divided, since the effect's score is correlated (CORRELATED) [1].
     """
@@ -117,13 +117,19 @@ class Criterion:
         simplest = min(near, key=lambda fit: len(fit.theta), default=None)
         return [] if simplest is None else [simplest, *(fit for fit in ranked if fit is not simplest)]
 
-    def needs_evidence(self, rule: Literal[Rule.SPLINE, Rule.SPLIT, Rule.EXCHANGE], tried: Fit, against: Fit) -> bool:
+    def needs_evidence(
+        self, rule: Literal[Rule.SPLINE, Rule.SPLIT, Rule.EXCHANGE], tried: Fit, against: Fit, tests: int = 1
+    ) -> bool:
         """Whether the decision depends on evidence beside the two fits: the gain is above the first threshold.
 
-        Of an exchange, unless it is large and sure, or to something simpler.
+        Of an exchange, unless it is large and sure, or to something with fewer or more parameters.
+
+        Args:
+            tests: how many exchanges this one is the best of.
         """
         if rule is Rule.EXCHANGE:
-            settled = _simpler(tried, against) or self._surely_exchanged(tried, against)
+            other = len(tried.hypothesis.parameters) != len(against.hypothesis.parameters)
+            settled = other or self._surely_exchanged(tried, against, tests)
             return self.gain(tried, against) > 0.0 and not settled
         threshold = self.settings.spline_keep if rule is Rule.SPLINE else self.settings.pair_penalty
         return self.gain(tried, against) > threshold
@@ -265,23 +271,25 @@ class Criterion:
         """The best candidate replaces an effect if it surely reduces the held-out error, by more than a rival.
 
         A reduction that is less than that is enough if the in-sample loss is lower too, by as much as a rival's: each
-        of the two scatters, and the price of a further parameter is paid in the held-out error. Something with fewer
-        parameters, whose loss may be higher, only has to predict no worse than they are worth, as where one is pruned.
+        of the two scatters. A further parameter lowers that loss whatever is true, and has to pay in the held-out error
+        as where one is added. Something with fewer parameters, whose loss may be higher, only has to predict no worse
+        than they are worth, as where one is pruned.
         """
         if _simpler(tried, against):
             return evidence.winner is tried and gain > 0.0, f"{_held_out_errors(tried, against)}, with fewer parameters"
         kept, text = self._held_out(tried, against, gain, evidence)
-        kept = kept and self._surely_exchanged(tried, against)
-        if evidence.winner is tried and evidence.after and self.needs_evidence(Rule.EXCHANGE, tried, against):
+        kept = kept and self._surely_exchanged(tried, against, evidence.tests)
+        beside = self.needs_evidence(Rule.EXCHANGE, tried, against, evidence.tests)
+        if evidence.winner is tried and evidence.after and beside:
             share = 1.0 - evidence.after[0] / evidence.before[0]
             kept = share > self.settings.held_out_rival
             text += f"; its in-sample loss is {abs(share):.1%} {'lower' if share > 0.0 else 'higher'}"
             text += "" if kept or share <= 0.0 else ", too little"
         return kept, text
 
-    def _surely_exchanged(self, tried: Fit, against: Fit) -> bool:
-        """Whether the held-out error is surely lower, and by more than a rival's."""
-        return self.gain(tried, against) > self.settings.held_out_rival and self.reduction(tried, against).sure
+    def _surely_exchanged(self, tried: Fit, against: Fit, tests: int) -> bool:
+        """Whether the held-out error is surely lower, though the best of so many is, and by more than a rival's."""
+        return self.gain(tried, against) > self.settings.held_out_rival and self.reduction(tried, against, tests).sure
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """An effect is kept if it reduces the held-out error by more than what its parameters have to."""

@@ -162,11 +162,11 @@ class _Search:
         """
         while True:
             others = [name for name in self._candidates() if name not in best.hypothesis.names]
-            tried = []
-            for name in selected_effects(self.problem, best):
+            tried, selected = [], selected_effects(self.problem, best)
+            for name in selected:
                 swaps = [tuple(other if one == name else one for one in best.hypothesis.names) for other in others]
                 tried += self._promising(best, swaps)
-            further = self._decided(Rule.EXCHANGE, tried, best)
+            further = self._decided(Rule.EXCHANGE, tried, best, tests=len(selected) * len(others))
             if further is None:
                 return best
             best = further
@@ -261,7 +261,7 @@ class _Search:
         kept = None
         for fit in ranked:
             evidence = Evidence(winner=ranked[0], tests=tests)
-            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.needs_evidence(rule, fit, against):
+            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.needs_evidence(rule, fit, against, tests):
                 evidence = self._with_losses(evidence, fit, against)
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit

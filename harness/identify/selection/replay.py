@@ -203,7 +203,7 @@ def _decisions(
 
 def _with_losses(evidence: Evidence, problem: Problem, tried: Fit, against: Fit, criterion: Criterion) -> Evidence:
     """The evidence of an exchange with the in-sample losses computed anew, which the winner of a round needs."""
-    if evidence.winner is not tried or not criterion.needs_evidence(Rule.EXCHANGE, tried, against):
+    if evidence.winner is not tried or not criterion.needs_evidence(Rule.EXCHANGE, tried, against, evidence.tests):
         return replace(evidence, before=(), after=())
     before, after = in_sample_losses(problem, fitted_windows(problem.recordings), (against, tried))
     return replace(evidence, before=(before,), after=(after,))

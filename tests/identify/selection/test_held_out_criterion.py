@@ -76,6 +76,26 @@ def test_an_exchange_for_fewer_parameters_is_made_where_one_would_be_pruned(fact
     assert not C.decide(Rule.EXCHANGE, simple, rich, Evidence(winner=free(0.4, "level_error"))).kept
 
 
+def test_an_exchange_for_more_parameters_has_to_be_sure() -> None:
+    """Take the law of two numbers for that of one only if held-out blocks surely say so, whatever it fits better."""
+    base = free(1.0, "rolling_resistance")
+    for factor, kept in ((np.r_[np.full(11, 1.02), 0.2], False), (0.8, True)):
+        rich = free(factor, "directional_resistance")
+        assert not C.needs_evidence(Rule.EXCHANGE, rich, base)
+        evidence = Evidence(winner=rich, before=(2.0,), after=(0.1,))
+        assert C.decide(Rule.EXCHANGE, rich, base, evidence).kept is kept
+
+
+def test_of_many_exchanges_the_best_is_not_sure_by_chance() -> None:
+    """Divide the significance level by the exchanges that were tried, so that the in-sample loss has to decide."""
+    factor = np.r_[np.full(8, 0.85), np.full(4, 1.06)]
+    tried, base = free(factor, "rolling_resistance"), free(1.0, "viscous_damping")
+    assert not C.needs_evidence(Rule.EXCHANGE, tried, base, tests=1)
+    assert C.needs_evidence(Rule.EXCHANGE, tried, base, tests=30)
+    assert C.decide(Rule.EXCHANGE, tried, base, Evidence(winner=tried, tests=1)).kept
+    assert not C.decide(Rule.EXCHANGE, tried, base, Evidence(winner=tried, tests=30)).kept
+
+
 def test_a_reduction_that_a_few_blocks_make_is_not_significant() -> None:
     """Keep nothing that makes one block of twelve much better and the others a little worse, and say why."""
     factors = np.r_[np.full(11, 1.02), 0.2]
