@@ -47,7 +47,11 @@ class ErrorProcess(NamedTuple):
         return ErrorProcess(gain * gain * self.covariance, self.transition, abs(gain) * self.root)
 
     def inflated(self, factor: FloatArray) -> ErrorProcess:
-        """That of an e whose variance is `factor`, shape (n,), times as large at each stamp; ė and ë stay [1]."""
+        """That of an e whose variance is `factor` times as large at each stamp, while those of ė and ë stay.
+
+        Args:
+            factor: shape (n,) [1].
+        """
         root = np.ones((len(factor), 3))
         root[:, 0] = np.sqrt(factor)
         return ErrorProcess(

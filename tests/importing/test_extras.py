@@ -32,3 +32,4 @@ def test_a_missing_package_is_told(
     monkeypatch.setattr(matlab_process, "_started", None)
     with pytest.raises(InputError, match=rf"pip install 'ball-beam-harness\[{extra}\]'"):
         read_file(path)
+    matlab_process._end()  # the one without the package

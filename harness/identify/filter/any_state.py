@@ -11,7 +11,7 @@ from analytic.compiled import njit
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
-from analytic.slots import DAHL, ECCENTRIC, TRACTION
+from analytic.slots import DAHL, TRACTION
 from harness.identify.filter.arguments import (
     NUDGE,
     UNSTEADY,
@@ -24,12 +24,14 @@ from harness.identify.filter.arguments import (
     angle_nudge,
     lagging,
     position_of,
+    rate_change,
+    rate_noise,
     reading_of,
     shifted,
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
+from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop, throw
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of, triangular
 
@@ -98,7 +100,7 @@ def any_state(
                 off[j] = x
                 off[j, index] += nudges[j]
             A, B = error.transition[k - 1], error.root[k - 1]
-            change = _change(x, A) / dt
+            change = rate_change(A, x[_ERROR], x[_ERROR + 1], x[_ERROR + 2]) / dt
             _over(balls[:-1], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)
             _over(balls[few + 1 :], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)  # other angle
             for j in range(few + 1):
@@ -126,16 +128,16 @@ def any_state(
                 M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
             for i in range(few):
-                if moved[1] != 0.0 and (states[i] <= 1 or (states[i] == 2 and slips and moved[2] != 0.0)):
-                    throw = -p[ECCENTRIC] * (0.5 * dt if states[i] == 0 else 1.0)
+                if states[i] <= 1 or (states[i] == 2 and slips and moved[2] != 0.0):
+                    back = throw(moved[1], p) * (0.5 * dt if states[i] == 0 else 1.0)
                     for j in range(size):
-                        M[i, j] += throw * (M[few + 1, j] - L[few + 1, j])
+                        M[i, j] += back * (M[few + 1, j] - L[few + 1, j])
                     for j in range(3):
-                        M[i, size + 2 + j] += throw * B[1, j]
+                        M[i, size + 2 + j] += back * B[1, j]
             # slip begins and ends at any velocity
             if bends and not math.isnan(position[k]) and (slips or may_stop(x[1], moved[1], _square(L, row_of_v))):
                 mean[:] = moved  # to be increased by second differences
-                spread = math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)  # of the noise of ė
+                spread = rate_noise(B)
                 for j in range(size + 1):
                     ahead[0] = x
                     behind[0] = x
@@ -146,9 +148,11 @@ def any_state(
                             behind[0, states[i]] -= REACH * L[i, j]
                     else:
                         noise = REACH * spread
-                    more, less = (_change(ahead[0], A) + noise) / dt, (_change(behind[0], A) - noise) / dt
-                    _over(ahead, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, more, local)
-                    _over(behind, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, less, local)
+                    for side in range(2):
+                        one = beyond[side]
+                        change = rate_change(A, one[0, _ERROR], one[0, _ERROR + 1], one[0, _ERROR + 2])
+                        change = (change + (noise if side == 0 else -noise)) / dt
+                        _over(one, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)
                     for i in range(few):
                         bend = ahead[0, states[i]] + behind[0, states[i]] - 2.0 * moved[states[i]]
                         by = FIRST * (ahead[0, states[i]] - behind[0, states[i]])
@@ -234,13 +238,6 @@ def _over(
             if lag > 0.0:
                 balls[i, 3] = lagging(balls[i, 3], before, s, h, lag)
             balls[i, 0], balls[i, 1], balls[i, 2] = s, v, w
-
-
-@njit(cache=True, inline="always")
-def _change(x: FloatArray, A: FloatArray) -> float:
-    """By how much the mean of ė changes over a step with the transition A of (e, ė, ë) [rad/s]."""
-    e, rate, angular = x[_ERROR], x[_ERROR + 1], x[_ERROR + 2]
-    return A[1, 0] * e + A[1, 1] * rate + A[1, 2] * angular - rate
 
 
 @njit(cache=True, inline="always")

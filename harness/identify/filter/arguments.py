@@ -158,6 +158,22 @@ def lagging(y: float, before: float, s: float, h: float, lag: float) -> float:
 
 
 @njit(cache=True, inline="always")
+def rate_change(A: FloatArray, e: float, rate: float, angular: float) -> float:
+    """By how much the mean of ė changes over a step with the transition A of (e, ė, ë), shape (3, 3) [rad/s].
+
+    Args:
+        e, rate, angular: e [rad], ė [rad/s], ë [rad/s²] before it.
+    """
+    return A[1, 0] * e + A[1, 1] * rate + A[1, 2] * angular - rate
+
+
+@njit(cache=True, inline="always")
+def rate_noise(B: FloatArray) -> float:
+    """Standard deviation of what else changes ė over a step with the root B of its noise, shape (3, 3) [rad/s]."""
+    return math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)
+
+
+@njit(cache=True, inline="always")
 def shifted(
     beam: BeamTable, step: int, since: float, e: float, rate: float, angular: float, change: float, out: FloatArray
 ) -> None:

@@ -21,7 +21,7 @@ from analytic.law import DRY_OF_POSITION
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
-from harness.identify.filter.arguments import BeamTable, shifted
+from harness.identify.filter.arguments import BeamTable, rate_change, rate_noise, shifted
 
 REACH_SQUARE = 3.0  # the kurtosis of a normal variable: the square of the points' distance in standard deviations
 REACH = math.sqrt(REACH_SQUARE)
@@ -46,6 +46,16 @@ def has_dry_friction(p: FloatArray) -> bool:
 def may_stop(before: float, after: float, variance: float) -> bool:
     """Whether a ball of these velocities [m/s] and of this variance [m²/s²] may stop in the step between them."""
     return before * after <= 0.0 or min(abs(before), abs(after)) < _SLOW * math.sqrt(variance)
+
+
+@njit(cache=True, inline="always")
+def throw(v: float, p: FloatArray) -> float:
+    """What a change of ė adds to the velocity, over that change: −K ℓ, and nothing if dry friction holds the ball [m].
+
+    Args:
+        v: ṡ after the step [m/s].
+    """
+    return 0.0 if v == 0.0 and has_dry_friction(p) else -p[slots.ECCENTRIC]
 
 
 @njit(cache=True)
@@ -83,7 +93,7 @@ def step_at_points(
     variance_s = M[0, 5] ** 2
     covariance = M[0, 5] * M[1, 5]
     variance_v = M[1, 5] ** 2 + M[1, 6] ** 2
-    spread = math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)  # of the noise of ė, all that moves the ball at once
+    spread = rate_noise(B)  # all of the error's noise that moves the ball at once
     for j in range(6):
         for side in range(2):
             reach = REACH if side == 0 else -REACH
@@ -93,7 +103,7 @@ def step_at_points(
                 e0, e1, e2 = e0 + reach * L[2, j], e1 + reach * L[3, j], e2 + reach * L[4, j]
             else:
                 noise = reach * spread
-            change = (A[1, 0] * e0 + A[1, 1] * e1 + A[1, 2] * e2 + noise - e1) / dt
+            change = (rate_change(A, e0, e1, e2) + noise) / dt
             since = 0.0
             for i in range(first, last):
                 shifted(beam, i, since, e0, e1, e2, change, local)

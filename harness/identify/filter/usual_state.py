@@ -11,7 +11,6 @@ from analytic.law import acceleration
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
-from analytic.slots import ECCENTRIC
 from harness.identify.filter.arguments import (
     NUDGE,
     VELOCITY_VARIANCE,
@@ -21,12 +20,13 @@ from harness.identify.filter.arguments import (
     Readings,
     Sensor,
     position_of,
+    rate_change,
     reading_of,
     shifted,
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points
+from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points, throw
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of
 
@@ -62,7 +62,7 @@ def usual_state(
             A, B = error.transition[k - 1], error.root[k - 1]
             along = velocity_nudge(v, L[1, 0] ** 2 + L[1, 1] ** 2)
             s0, v0, s1, v1, s2, v2 = s, v, s + NUDGE[0], v, s, v + along
-            change = (A[1, 0] * e0 + A[1, 1] * e1 + A[1, 2] * e2 - e1) / dt
+            change = rate_change(A, e0, e1, e2) / dt
             since = 0.0
             for j in range(marks[k - 1], marks[k]):
                 shifted(beam, j, since, e0, e1, e2, change, here)
@@ -89,8 +89,9 @@ def usual_state(
                 _compound(M, 0, L, by_s, by_v, by_e, dt / 3.0, dt * dt / 12.0)
                 by_s, by_v, by_e = (v1 - v) / NUDGE[0], (v2 - v) / along, response * dt
                 _compound(M, 1, L, by_s, by_v, by_e, dt / 2.0, dt * dt / 6.0)
+                back = throw(v, p)
                 for c in range(_WIDTH):
-                    thrown = -p[ECCENTRIC] * (M[3, c] - (L[3, c] if c < 5 else 0.0))  # by the change of ė
+                    thrown = back * (M[3, c] - (L[3, c] if c < 5 else 0.0))
                     M[0, c] += 0.5 * dt * thrown
                     M[1, c] += thrown
             _triangular(M, L)

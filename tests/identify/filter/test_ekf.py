@@ -245,7 +245,7 @@ def test_a_ball_that_was_held_keeps_the_error_of_the_rate(tmp_path: Path) -> Non
     truth = write_case(tmp_path / "case", experiment)
     problem = problem_of(load_case(tmp_path / "case"))
     sensor, ratios = Sensor(1.0, 0.0, problem.reading_variance), []
-    for record, true in zip(problem.recordings, truth, strict=False):
+    for record, true in zip(problem.recordings, truth, strict=True):
         p, table = dynamics(problem, record, Terms((), (), np.zeros(0), None), Own())
         beam, readings = BeamTable(record.grid.steps, record.grid.marks, table), Readings(record.time, record.reading)
         speed, noise = np.abs(np.interp(record.time, true.record.time, true.velocity)), problem.least_process_noise
