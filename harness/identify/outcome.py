@@ -8,7 +8,8 @@ from harness.failures import Failed, Part
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import candidates
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.search import Selection
 
 _TAKES_IF_KEPT = {

@@ -13,7 +13,8 @@ from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.selection.candidates import candidates, selected_effects
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
 from harness.progress import Progress, silent

@@ -16,7 +16,8 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.spline_term import Kind, Regressor, blank
 from harness.identify.record import FindingRecord
-from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.spline_terms import visited
 from harness.identify.validation.beam_dependence import SIGNIFICANT

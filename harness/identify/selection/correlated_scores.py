@@ -21,7 +21,7 @@ from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import selected_effects
-from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.progress import Progress
 

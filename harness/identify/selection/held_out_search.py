@@ -27,7 +27,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window, blocks_of, fitted_windows, windows_of
 from harness.identify.selection.candidates import candidates, fitted_each, selected_effects
-from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.parallel import can_fork
 from harness.progress import Progress

@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.fit import Fit
-from harness.identify.selection.criterion import NONE, Criterion, Decision, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import NONE, Decision, Evidence, Rule
 
 T = TypeVar("T")
 

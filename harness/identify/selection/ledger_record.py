@@ -27,7 +27,8 @@ from harness.identify.record import (
     RigRecord,
     SourcesRecord,
 )
-from harness.identify.selection.criterion import Criterion, Evidence
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection
 from harness.provenance import canonical

@@ -24,7 +24,8 @@ from harness.identify.selection.candidates import (
     is_seen_in_coarse,
     selected_effects,
 )
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import with_spline_term
 from harness.progress import Progress

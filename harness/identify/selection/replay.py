@@ -20,7 +20,8 @@ from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import SplineTerm
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.record import DiagnosisRecord, FitRecord, LedgerLine, LedgerRecord, ProblemRecord
-from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.ledger_record import fit_hash, hashed, problem_record
 from harness.identify.selection.search import Selection

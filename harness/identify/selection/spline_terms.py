@@ -24,7 +24,8 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.problem.windows import Fold, folds
 from harness.identify.selection.candidates import fitted_each, selected_effects
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.period import period_of
 from harness.progress import Progress

@@ -8,7 +8,7 @@ from operator import itemgetter
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import best_screened, fit_candidates, selected_effects
-from harness.identify.selection.criterion import Rule
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.swaps import swap_steps
 from harness.progress import Progress

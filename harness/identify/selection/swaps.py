@@ -12,7 +12,7 @@ from harness.identify.estimate.starts import starting_points
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import fit_candidates, refitted, selected_effects
-from harness.identify.selection.criterion import Evidence, Rule
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.progress import Progress
 

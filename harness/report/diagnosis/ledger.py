@@ -5,7 +5,8 @@ import math
 from harness.failures import Part
 from harness.formatting import fixed
 from harness.identify.estimate.fit import Estimator
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.verdict import IdentifiedEffect
 from harness.report.diagnosis.account import Account

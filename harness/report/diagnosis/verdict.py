@@ -13,7 +13,8 @@ from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.numerics import rms

@@ -17,7 +17,8 @@ from harness.identify.design.proposal import MOST_RUNS, NOTHING, Proposal, Separ
 from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.settings import DEFAULT
-from harness.identify.selection.criterion import Criterion, Decision, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
 from tests.identify.short_rig import GAIN, LEVEL, RADIUS, ROLLING, SEEDS, Short, short
 

@@ -14,7 +14,8 @@ from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
 

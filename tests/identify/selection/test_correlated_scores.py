@@ -12,7 +12,8 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.correlated_scores import score_weights, without_correlated
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from tests.identify.selection.made import PRICE, made
 from tests.posed import Posed

@@ -13,7 +13,8 @@ import pytest
 
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from tests.identify.selection.made import PRICE, READINGS, made, with_gain
 
 C = Criterion()

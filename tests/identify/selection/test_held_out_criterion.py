@@ -11,7 +11,8 @@ import pytest
 
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import WHITE, Problem
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from tests.identify.selection.made import made
 
 C = Criterion()

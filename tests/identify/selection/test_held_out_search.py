@@ -13,7 +13,8 @@ from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.held_out_search import _Search, search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger
 from tests.coloured import with_coloured_readings

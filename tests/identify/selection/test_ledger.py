@@ -15,7 +15,8 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.settings import Settings
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.record import LedgerRecord, SourcesRecord
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger_record import digest, ledger_record
 from harness.identify.selection.replay import replay
 from harness.identify.selection.search import Selection, search

@@ -14,7 +14,8 @@ from analytic.rig import Rig
 from harness.identify.problem.problem import WHITE, Problem
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.record import LedgerRecord, SourcesRecord
-from harness.identify.selection.criterion import NONE, Criterion, Decision, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import NONE, Decision, Evidence, Rule
 from harness.identify.selection.ledger import Ledger, Line
 from harness.identify.selection.ledger_record import digest, hashed, ledger_record
 from harness.identify.selection.search import Selection

@@ -14,7 +14,8 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import candidates
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.quick_search import QuickSearch, on_all_readings, without_stepwise
 from harness.identify.selection.stepwise import first_round

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from tests.identify.selection.made import made, with_gain
 
 C = Criterion()

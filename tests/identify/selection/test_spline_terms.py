@@ -15,7 +15,8 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import Kind, Regressor, blank
-from harness.identify.selection.criterion import Criterion, Evidence, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.spline_terms import held_out_deviances, visited, with_spline_term
 from harness.identify.verdict import Verdict, identify

@@ -10,7 +10,8 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.candidates import best_screened, candidates, fit_candidates, selected_effects
-from harness.identify.selection.criterion import Criterion, Rule
+from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Ledger
 from harness.identify.selection.stepwise import first_round, stepwise
 from tests.posed import Posed, pose
