@@ -11,7 +11,7 @@ from analytic.compiled import njit
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
-from analytic.slots import DAHL, TRACTION
+from analytic.slots import DAHL, ECCENTRIC, TRACTION
 from harness.identify.filter.arguments import (
     NUDGE,
     UNSTEADY,
@@ -31,7 +31,7 @@ from harness.identify.filter.arguments import (
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop, throw
+from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of, triangular
 
@@ -128,8 +128,9 @@ def any_state(
                 M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
             for i in range(few):
-                if states[i] <= 1 or (states[i] == 2 and slips and moved[2] != 0.0):
-                    back = throw(moved[1], p) * (0.5 * dt if states[i] == 0 else 1.0)
+                # A ball that is held is not thrown, as it does not respond to the angle in F.
+                if moved[1] != 0.0 and (states[i] <= 1 or (states[i] == 2 and slips and moved[2] != 0.0)):
+                    back = -p[ECCENTRIC] * (0.5 * dt if states[i] == 0 else 1.0)
                     for j in range(size):
                         M[i, j] += back * (M[few + 1, j] - L[few + 1, j])
                     for j in range(3):

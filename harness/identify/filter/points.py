@@ -48,16 +48,6 @@ def may_stop(before: float, after: float, variance: float) -> bool:
     return before * after <= 0.0 or min(abs(before), abs(after)) < _SLOW * math.sqrt(variance)
 
 
-@njit(cache=True, inline="always")
-def throw(v: float, p: FloatArray) -> float:
-    """What a change of ė adds to the velocity, over that change: −K ℓ, and nothing if dry friction holds the ball [m].
-
-    Args:
-        v: ṡ after the step [m/s].
-    """
-    return 0.0 if v == 0.0 and has_dry_friction(p) else -p[slots.ECCENTRIC]
-
-
 @njit(cache=True)
 def step_at_points(
     x: FloatArray,

@@ -11,6 +11,7 @@ from analytic.law import acceleration
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
+from analytic.slots import ECCENTRIC
 from harness.identify.filter.arguments import (
     NUDGE,
     VELOCITY_VARIANCE,
@@ -26,7 +27,7 @@ from harness.identify.filter.arguments import (
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points, throw
+from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of
 
@@ -89,9 +90,8 @@ def usual_state(
                 _compound(M, 0, L, by_s, by_v, by_e, dt / 3.0, dt * dt / 12.0)
                 by_s, by_v, by_e = (v1 - v) / NUDGE[0], (v2 - v) / along, response * dt
                 _compound(M, 1, L, by_s, by_v, by_e, dt / 2.0, dt * dt / 6.0)
-                back = throw(v, p)
-                for c in range(_WIDTH):
-                    thrown = back * (M[3, c] - (L[3, c] if c < 5 else 0.0))
+                for c in range(_WIDTH):  # as a ball that rolls is thrown back, and as it responds to the angle
+                    thrown = -p[ECCENTRIC] * (M[3, c] - (L[3, c] if c < 5 else 0.0))
                     M[0, c] += 0.5 * dt * thrown
                     M[1, c] += thrown
             _triangular(M, L)

@@ -64,12 +64,13 @@ def search_by_held_out_errors(
         return alone, alone
     if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
         return base, found
+    best = search.exchanged(best)  # before each addition: what only stands in for a true cause may ask for another one
     while len(selected_effects(problem, best)) < problem.settings.max_effects:
         further = search.extended(best)
         if further is None:
             break
-        best = further
-    return plain, search.pruned(search.exchanged(best))
+        best = search.exchanged(further)
+    return plain, search.pruned(best)
 
 
 @dataclass
