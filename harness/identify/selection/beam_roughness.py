@@ -9,6 +9,7 @@ delay of the angle seems to explain some of it. The ball's readings tell the fac
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from scipy.optimize import minimize_scalar
 
@@ -28,7 +29,8 @@ def with_beam_roughness(problem: Problem, found: Fit, progress: Progress = silen
     """The same problem with a rougher beam if the ball's readings tell so, else the problem itself.
 
     Nothing is estimated where `found` needs no process noise, nor where it needs so much that physics is missing, nor
-    where it has been.
+    where it has been. A rougher beam that leaves the process noise nearly as it is has nothing to do with what that
+    stands for: it only fits the colour of another error.
 
     Args:
         found: a fit of what acts, whose terms are taken as they are.
@@ -37,22 +39,24 @@ def with_beam_roughness(problem: Problem, found: Fit, progress: Progress = silen
     if needless or problem.roughness != 1.0 or Criterion(problem.settings).far_above_noise_floor(problem, found):
         return problem
     progress("roughness of the beam's motion")
-    posed = [problem, *(problem.rougher(factor) for factor in _FACTORS)]
-    reached = [found.deviance, *(_lowest_deviance(rougher, found) for rougher in posed[1:])]
-    lowest = min(reached)
-    return posed[reached.index(lowest)] if lowest < found.deviance - _LEAST else problem
+    rougher = [problem.rougher(factor) for factor in _FACTORS]
+    reached = [_at_its_density(one, found) for one in rougher]
+    best, fitted = min(zip(rougher, reached, strict=True), key=lambda pair: pair[1].deviance)
+    told = fitted.deviance < found.deviance - _LEAST and Criterion(problem.settings).explains(fitted, found)
+    return best if told else problem
 
 
-def _lowest_deviance(problem: Problem, found: Fit) -> float:
-    """Deviance of the terms of a fit at the best density of the process noise."""
+def _at_its_density(problem: Problem, found: Fit) -> Fit:
+    """The terms of a fit at the density of the process noise of lowest deviance, at most that of the fit."""
     least = problem.least_process_noise
-    reached = deviance(problem, found.terms, least)
-    if found.process_noise <= least:
-        return reached
-    at = minimize_scalar(
-        lambda x: deviance(problem, found.terms, math.exp(x)),
-        bounds=(math.log(least), math.log(found.process_noise)),
-        method="bounded",
-        options={"xatol": _CLOSE},
-    )
-    return min(reached, float(at.fun))
+    reached = {least: deviance(problem, found.terms, least)}
+    if found.process_noise > least:
+        at = minimize_scalar(
+            lambda x: deviance(problem, found.terms, math.exp(x)),
+            bounds=(math.log(least), math.log(found.process_noise)),
+            method="bounded",
+            options={"xatol": _CLOSE},
+        )
+        reached[math.exp(at.x)] = float(at.fun)
+    density = min(reached, key=reached.__getitem__)
+    return replace(found, process_noise=density, deviance=reached[density])

@@ -15,9 +15,11 @@ from harness.failures import Failed, Failures, Part, caught
 from harness.identify.estimate.fit import Fit, fit, quiet_deviance, unrefined
 from harness.identify.estimate.screening import COARSE_STEP, ScreeningFit, screen
 from harness.identify.estimate.starts import starting_points
+from harness.identify.estimate.window_errors import window_errors
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import windows_of
 from harness.identify.selection.criterion import Criterion
 from harness.parallel import side_by_side
 from harness.progress import Progress
@@ -104,8 +106,18 @@ def fit_candidates(
 
 def is_seen_in_coarse(problem: Problem, base: Fit) -> bool:
     """Whether coarse data, where they are fewer, tell what `base` lacks."""
-    far = Criterion(problem.settings).far_above_noise_floor(problem, base)
-    return far and problem.coarse.steps < _FEWER * problem.steps
+    return are_coarse_fewer(problem) and Criterion(problem.settings).far_above_noise_floor(problem, base)
+
+
+def are_coarse_fewer(problem: Problem) -> bool:
+    """Whether coarse data save a good part of the work."""
+    return problem.coarse.steps < _FEWER * problem.steps
+
+
+def predicts_poorly(problem: Problem, found: Fit) -> bool:
+    """Whether windows are predicted with larger errors than a complete model would make."""
+    errors = window_errors(problem, found, windows_of(problem.recordings))
+    return Criterion(problem.settings).predicts_poorly(problem, errors)
 
 
 def _fit_from_coarse(

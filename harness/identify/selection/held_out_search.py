@@ -65,12 +65,13 @@ def search_by_held_out_errors(
     if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
         return base, found
     best = search.exchanged(best)  # before each addition: what only stands in for a true cause may ask for another one
-    while len(selected_effects(problem, best)) < problem.settings.max_effects:
-        further = search.extended(best)
+    while True:
+        best = search.pruned(best)  # before each addition, too: what is idle takes the place of what is not
+        full = len(selected_effects(problem, best)) >= problem.settings.max_effects
+        further = None if full else search.extended(best)
         if further is None:
-            break
+            return plain, best
         best = search.exchanged(further)
-    return plain, search.pruned(best)
 
 
 @dataclass

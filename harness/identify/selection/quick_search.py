@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 
 from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit
-from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import windows_of
 from harness.identify.selection.candidates import (
+    are_coarse_fewer,
     explained_by_few,
     fit_candidates,
     fitted_from,
-    is_seen_in_coarse,
+    predicts_poorly,
     selected_effects,
 )
 from harness.identify.selection.criterion import Criterion
@@ -51,13 +50,12 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
     """What a quick search finds if effects explain little on coarse data, else `None`: the stepwise search is needed.
 
     It adds effects, without swaps, as long as each explains something and as many as are selected at most, then a
-    spline term. It is not made, and `None` returned, where `first` is not far from the recordings or coarse data are as
-    many.
+    spline term. It is not made, and `None` returned, where `first` predicts well or coarse data are as many.
 
     Args:
         base, first: fits without effects, and with the first that was added.
     """
-    if not is_seen_in_coarse(problem, first) or _explains(problem, first):
+    if not (are_coarse_fewer(problem) and predicts_poorly(problem, first)):
         return None
     coarse = replace(problem.coarse, settings=replace(problem.settings, max_fitted=_FITTED))
     ledger = Ledger(Criterion(coarse.settings), Failures())  # decides nothing of the result
@@ -77,7 +75,7 @@ def without_stepwise(problem: Problem, base: Fit, first: Fit, progress: Progress
     if found.hypothesis.spline is not None and found.root_process_noise < _MUCH * effects.root_process_noise:
         listed = Hypothesis(found.hypothesis.names)
         return QuickSearch(fitted_from(coarse, found, listed), spline=True)
-    little = left > _MUCH * bare.root_process_noise and _predicts_poorly(coarse, found)
+    little = left > _MUCH * bare.root_process_noise and predicts_poorly(coarse, found)
     return QuickSearch(found, spline=False) if little and coarse.readings >= problem.settings.given_up_from else None
 
 
@@ -103,14 +101,3 @@ def on_all_readings(
 def _refitted(problem: Problem, one: Fit) -> Fit:
     """The same hypothesis, fitted to other readings from its values."""
     return fitted_from(problem, one, one.refined)
-
-
-def _explains(problem: Problem, found: Fit) -> bool:
-    """Whether the process noise is not far above the floor, or predictions are good."""
-    far = Criterion(problem.settings).far_above_noise_floor(problem, found)
-    return not (far and _predicts_poorly(problem, found))
-
-
-def _predicts_poorly(problem: Problem, found: Fit) -> bool:
-    errors = window_errors(problem, found, windows_of(problem.recordings))
-    return Criterion(problem.settings).predicts_poorly(problem, errors)

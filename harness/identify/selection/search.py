@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit
-from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import windows_of
 from harness.identify.selection.beam_roughness import with_beam_roughness
-from harness.identify.selection.candidates import explained_by_few
+from harness.identify.selection.candidates import explained_by_few, predicts_poorly
 from harness.identify.selection.correlated_scores import without_correlated
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.held_out_search import search_by_held_out_errors
@@ -64,11 +62,10 @@ def search(
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
     )
-    windows = windows_of(problem.recordings)
     # Free runs over a few windows do not find the values of a curve, and where a ball rolls over hills and hollows they
     # part whatever the law: a spline term that leaves nothing to explain is not put to them.
     complete = found.hypothesis.spline is not None and ledger.criterion.at_noise_floor(problem, found)
-    if not complete and ledger.criterion.predicts_poorly(problem, window_errors(problem, found, windows)):
+    if not complete and predicts_poorly(problem, found):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors",
