@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from analytic.rig import Rig
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.filter.run import deviance
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -20,6 +22,7 @@ from harness.simulator.plant import Plant
 from harness.simulator.protocol import Controller, Sensors, perform, recording_text
 from harness.simulator.servo import Servo
 from tests.posed import pose
+from tests.pushed import with_random_accelerations
 
 RESISTANCE = "rolling_resistance"
 SEED = 5053  # of moves and noise: a rig whose beam moves within its counts more than they show
@@ -81,6 +84,18 @@ def test_no_roughness_is_estimated_where_physics_is_missing(tmp_path: Path) -> N
     """Leave a problem as it is where a strong damping is in the recordings and not in the model."""
     problem = pose(tmp_path / "case", 6, {"viscous_damping": {"coefficient": 0.03}}).problem
     assert with_beam_roughness(problem, fit(problem, Hypothesis(()))) is problem
+
+
+def test_no_roughness_is_taken_that_leaves_the_process_noise(shaken: tuple[Problem, Fit]) -> None:
+    """Leave a problem as it is if the rougher beam fits better, by 12, and still needs 97 % of the process noise."""
+    problem = with_random_accelerations(shaken[0], 8e-4)
+    found = fit(problem, Hypothesis((RESISTANCE,)))
+    rougher = problem.rougher(100.0)
+    densities = found.process_noise * np.linspace(0.1, 1.0, 10)
+    deviances = [deviance(rougher, found.terms, density) for density in densities]
+    assert min(deviances) < found.deviance - 4.0
+    assert densities[np.argmin(deviances)] > 0.75 * found.process_noise
+    assert with_beam_roughness(problem, found) is problem
 
 
 def test_roughness_is_estimated_once(shaken: tuple[Problem, Fit]) -> None:

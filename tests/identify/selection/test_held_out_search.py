@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.problem.hypothesis import Hypothesis
@@ -53,6 +54,20 @@ def test_effects_that_act_together_are_found_together(pair: Problem) -> None:
     (joint,) = [line for line in ledger.lines if line.rule is Rule.JOINT and line.kept]
     assert set(joint.effects) == set(HIDDEN)
     assert "predicts held-out blocks" in joint.because
+
+
+def test_an_idle_effect_gives_its_place_to_one_that_acts(pair: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Prune before effects are added, of which there may be two, though no exchange is made."""
+    problem = replace(pair, settings=replace(pair.settings, max_effects=2))
+    windows = fitted_windows(problem.recordings)
+    names = ((), ("rolling_resistance", "quadratic_drag"))
+    plain, idle = (cross_validated(problem, fit_free_runs(problem, Hypothesis(one), windows).fit) for one in names)
+    monkeypatch.setattr(_Search, "jointly", lambda search, *_: (plain, idle))
+    monkeypatch.setattr(_Search, "exchanged", lambda _, best: best)
+    monkeypatch.setattr(_Search, "_scale", fit_free_runs(problem, plain.hypothesis, windows).scale, raising=False)
+    _, found, _ = searched(problem, fit(problem, Hypothesis(())), plain)
+    assert "quadratic_drag" not in found.hypothesis.names
+    assert len(found.hypothesis.names) == 2
 
 
 @pytest.mark.slow

@@ -21,20 +21,15 @@ from harness.identify.selection.quick_search import QuickSearch, on_all_readings
 from harness.identify.selection.stepwise import first_round
 from harness.recording import load_case
 from tests.posed import pose
+from tests.pushed import with_random_accelerations
 
 
 @pytest.fixture(scope="module")
 def shaken(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     """A ball that random accelerations move by a decimetre, which no law explains."""
     problem = pose(tmp_path_factory.mktemp("shaken") / "case", 3).problem
-    generator = np.random.default_rng(0)
-    moved = []
-    for one in problem.recordings:
-        step = np.diff(one.time, prepend=one.time[0])
-        velocity = np.cumsum(3e-3 * np.sqrt(step) * generator.standard_normal(len(step)))
-        moved.append(replace(one, reading=one.reading + np.cumsum(velocity * step)))
     settings = replace(problem.settings, given_up_from=100)  # coarse readings: these recordings are short
-    return replace(problem, recordings=tuple(moved), settings=settings)
+    return replace(with_random_accelerations(problem, 3e-3), settings=settings)
 
 
 @pytest.mark.slow
@@ -57,6 +52,13 @@ def test_coarse_data_that_are_all_data_are_not_searched_first(shaken: Problem) -
     base = fit(coarse, Hypothesis(()))
     assert without_stepwise(coarse, base, base, told.append) is None
     assert told == []
+
+
+def test_coarse_data_are_searched_first_wherever_predictions_are_poor(shaken: Problem) -> None:
+    """Need no certain distance from the noise floor: minutes of a search on all readings would hang on a hair."""
+    near = replace(shaken, settings=replace(shaken.settings, above_floor_ratio=1e6))
+    base = fit(near, Hypothesis(()))
+    assert without_stepwise(near, base, base, lambda _: None) is not None
 
 
 def test_where_little_can_be_explained_one_round_is_enough(shaken: Problem) -> None:
