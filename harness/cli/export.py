@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from harness.cli.options import PathType, Whole, number_in
+from harness.cli.options import PathType, Whole, is_quiet, number_in, quiet_option
 
 
 class PointType(click.ParamType):
@@ -54,6 +54,7 @@ class PointType(click.ParamType):
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
+@quiet_option
 def export(diagnosis: Path, to: Any, fmi: str, as_json: bool, **options: Any) -> None:
     """Take the identified model away: as an FMU, a scene, source code, or a linear model.
 
@@ -76,6 +77,6 @@ def export(diagnosis: Path, to: Any, fmi: str, as_json: bool, **options: Any) ->
     if as_json:
         click.echo(to_json(made.content()))
         return
-    for one in made.carried:
+    for one in () if is_quiet() else made.carried:
         click.echo(f"  {'carried' if one.carried else 'NOT CARRIED':11} {one.name}: {one.how}")
     click.echo(f"{to}: {made.folder} ({', '.join(made.files)})")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.options import FiniteRange, PathType, number_in
+from harness.cli.options import FiniteRange, PathType, is_quiet, number_in, quiet_option
 from harness.errors import InputError, printable
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     "--force", is_flag=True, help="Replace files that this command did not write, or that have been changed since."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON on stdout, and ask nothing.")
+@quiet_option
 def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Make a case of recordings as they come, and show how they were understood.
 
@@ -100,6 +101,9 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
         click.echo(to_json(made.record()))
         return
     shown = made.summary()
+    if is_quiet():
+        click.echo(shown.title)
+        return
     click.echo(replace(shown, lines=()).text())
     click.echo("\n" + "\n".join(shown.lines))
 

@@ -310,6 +310,7 @@ def replay(diagnosis: Path, case: Path, refit: bool, as_json: bool, **options: A
 @_effects_option
 @_force_option
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
+@quiet_option
 def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
     """Predict ball positions from the beam angle, with the model that a diagnosis identified.
 
@@ -365,6 +366,7 @@ def predict(diagnosis: Path, recording: Path, **options: Any) -> None:
 )
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of moves, noise and imperfections.")
 @click.option("--force", is_flag=True, help="Write into a folder that is not empty, and replace files there.")
+@quiet_option
 def simulate(out: Path, **options: Any) -> None:
     """Simulate a case with a known truth on the paper's rig: rigid bodies in contact, none of the models under test.
 

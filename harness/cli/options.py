@@ -141,7 +141,7 @@ quiet_option = click.option(
     callback=lambda ctx, param, value: ctx.meta.__setitem__(_QUIET, value),
     help="Show no progress; print only the result in a line or two, and errors.",
 )
-"""Of every command that takes long; `is_quiet` tells whether it was given."""
+"""Of every command that makes something; `is_quiet` tells whether it was given."""
 
 
 def is_quiet() -> bool:

@@ -146,9 +146,9 @@ def test_no_colour_where_it_is_not_wanted(tmp_path: Path) -> None:
     assert counts[1] == 0
 
 
-@pytest.mark.parametrize("name", ["run", "diagnose", "replay", "tune", "sweep", "check", "check-scene", "view"])
-def test_every_long_command_can_be_quiet(name: str) -> None:
-    """Take --quiet wherever progress is shown."""
+@pytest.mark.parametrize("name", sorted(set(main.commands) - {"completion", "doctor"}))
+def test_every_command_that_makes_something_can_be_quiet(name: str) -> None:
+    """Take --quiet wherever more than an answer was asked for."""
     assert any("--quiet" in one.opts for one in main.commands[name].params)
 
 

@@ -47,6 +47,14 @@ def test_every_format_is_written_and_told(harness: Harness, diagnosis: Path, to:
     assert before == {one.name: one.read_bytes() for one in folder.iterdir()}
 
 
+def test_a_quiet_export_prints_where_the_files_are(harness: Harness, diagnosis: Path) -> None:
+    """Print a line; what is not carried is said in the README as ever."""
+    done = harness("export", diagnosis, "--to", "python", "--quiet")
+    assert done.code == 0, done.err
+    assert done.out.startswith(f"python: {diagnosis / 'export_python'} (")
+    assert done.out.count("\n") == 1
+
+
 def test_a_changed_file_is_not_replaced(harness: Harness, diagnosis: Path) -> None:
     """Exit with 2 where the user changed the source, and replace it with --force."""
     assert harness("export", diagnosis, "--to", "c").code == 0

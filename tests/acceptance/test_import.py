@@ -227,6 +227,14 @@ def test_nothing_foreign_is_replaced(tmp_path: Path) -> None:
     assert import_of("log.lvm", tmp_path, "--force").exit_code == 0
 
 
+def test_a_quiet_import_prints_where_the_case_is(tmp_path: Path) -> None:
+    """Print a line, and write the evidence into import.json as ever."""
+    done = import_of(next(iter(made.FILES)), tmp_path, "--quiet")
+    assert done.exit_code == 0, done.stderr
+    assert (done.stdout, done.stderr) == (f"case: {tmp_path / 'case'} (rec_01.csv)\n", "")
+    assert (tmp_path / "case" / "import.json").is_file()
+
+
 def test_json_for_machines(tmp_path: Path) -> None:
     """Print columns, units and evidence as JSON."""
     done = import_of("log.lvm", tmp_path, "--json")
