@@ -184,6 +184,7 @@ class Tuning(Summarised):
             "attempts": [asdict(one) for one in selection.attempts],
             "residual_over_expected": {"before": selection.before.misfit**0.5, "after": found.misfit**0.5},
             "windows": len(tuned.windows),
+            "left_out": [{"time_s": one.time, "failure": one.reason} for one in tuned.left_out],
             "held_out": None
             if held is None
             else {"blocks": held.blocks, "before_m": held.before.tolist(), "after_m": held.after.tolist()},
@@ -196,6 +197,7 @@ class Tuning(Summarised):
                 "after_m": self.cam.after.tolist(),
                 "diagnosis": self.cam.source,
             },
+            "rejected": None if tuned.rejected is None else asdict(tuned.rejected),
             "settings": self.settings,
             "rig": tuned.scene,
             "inputs": input_hashes(self.case),
@@ -255,7 +257,7 @@ def tune(
         refuse_worthless(case, (), accept)
         known = _known(case, diagnosis, effects)
         from harness.engines.catalogue import engine_of, parameters_of
-        from harness.tuning.tune import free_parameters
+        from harness.tuning.tune import check_names, free_parameters
         from harness.tuning.tune import tune as fit
 
         chosen = engine_of(engine, case.scene)
@@ -263,6 +265,7 @@ def tune(
         if idle:
             raise InputError(f"parameters of {', '.join(idle)} are set, but {engine} is tuned; drop them")
         fixed = dict((settings or {}).get(engine, {}))
+        check_names(chosen, fixed, free)
         given = (*input_files(case), *files_of(effects))
         writing = partial(all_or_nothing, record=RECORD, names=FILES, inputs=given, force=force)
         # Entered first: what cannot be written need not be computed.

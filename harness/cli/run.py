@@ -13,7 +13,7 @@ from harness.api.outputs import report_folder, to_json
 from harness.cli.options import is_quiet
 from harness.recording.case import BUNDLED, load_case
 from harness.recording.findings import warnings_of
-from harness.recording.rig_changes import with_rig_changes
+from harness.recording.rig_changes import RIG_CHANGES, with_rig_changes
 
 
 def run_case(
@@ -93,6 +93,7 @@ def _as_text(made: Comparison, folder: Path) -> str:
         f"{setting.recording.path} ({setting.case.origin})" if setting.case.origin else str(setting.recording.path)
     ]
     lines += [f"  {one}" for one in warnings_of(setting.case.findings)]
+    lines += [f"  {one}" for one in setting.case.findings if one.code == RIG_CHANGES]
     for one in setting.estimates:
         error = f" ± {one.std:.2g}" if math.isfinite(one.std) else ""  # an assumed value has none
         unit = "" if one.unit == "1" else f" {one.unit}"

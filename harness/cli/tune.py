@@ -93,7 +93,8 @@ def tune(
     if as_json:
         click.echo(to_json(made.content()))
     elif is_quiet():
-        click.echo("\n".join([*made.sentences[:1], f"report: {folder / REPORT}"]).replace("`", ""))
+        warning = [] if made.tuned.selection.found.complete else made.sentences[-1:]
+        click.echo("\n".join([*made.sentences[:1], *warning, f"report: {folder / REPORT}"]).replace("`", ""))
     else:
         click.echo(str(made.summary().text()))
         for one in warnings_of(loaded.findings):

@@ -15,6 +15,8 @@ from harness.recording.rig_file import TABLES
 from harness.toml_text import parse_toml
 
 TABLE = "rig"
+RIG_CHANGES = "rig-changes"
+"""Code of the note on them."""
 _QUANTITIES = {
     field.alias or name: name
     for table in ("ball", "beam", "environment")
@@ -67,5 +69,5 @@ def with_rig_changes(case: Case, file: Path | None) -> Case:
         raise InputError(f"{file}: [{TABLE}]: impossible rig: {error}. Correct the values or their units.") from error
     told = ", ".join(f"{name.replace('_', ' ')} {value:.6g}" for name, value in changes.items())
     text = f"replaces quantities of the rig for all models and engines: {told}."
-    note = DataFinding("note", file.name, text, "rig-changes")
+    note = DataFinding("note", file.name, text, RIG_CHANGES)
     return replace(case, rig=rig, findings=(*case.findings, note))

@@ -9,7 +9,8 @@ import numpy as np
 from analytic.models import CAM
 from harness.comparison.horizons import Horizon
 from harness.comparison.study import Study
-from harness.formatting import brief, length, number, plus_minus
+from harness.engines.parameters import EngineParameters
+from harness.formatting import brief, length, listed, number, plus_minus
 from harness.numerics import rms
 from harness.recording.case import typed_path
 from harness.report.palette import label_of, names
@@ -29,6 +30,7 @@ class EngineFact:
         departure: largest |s_engine − s_CAM|; NaN if no run succeeded [m].
         numerical, contact: RMS of these parts of its free run's error; NaN without attribution [m].
         failed: message of its first failure, else empty.
+        chosen: names of its contact parameters that are not at their defaults.
     """
 
     source: str
@@ -36,6 +38,7 @@ class EngineFact:
     numerical: float = math.nan
     contact: float = math.nan
     failed: str = ""
+    chosen: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -195,7 +198,8 @@ def _engines(facts: Facts) -> str:
         part = ""
         if math.isfinite(one.numerical):
             numeric = one.numerical >= one.contact
-            cause = "its step size (reduce it)" if numeric else "its contact model (stiffen it)"
+            stiffness = f"with its {listed(one.chosen)}" if one.chosen else "(stiffen it)"
+            cause = "its step size (reduce it)" if numeric else f"its contact model {stiffness}"
             part = f", mostly due to {cause}"
         said.append(
             f"{label_of(one.source)} differs from {label_of(CAM.name)} by up to {length(one.departure, 2)}{part}"
@@ -225,6 +229,15 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
         numerical=split.get("numerical", math.nan),
         contact=split.get("contact", math.nan),
         failed=str(failures[0]).removeprefix(f"{name} failed ") if failures else "",
+        chosen=_chosen(next(parameters for engine, parameters in study.engines if engine.name == name)),
+    )
+
+
+def _chosen(parameters: EngineParameters) -> tuple[str, ...]:
+    """Contact parameters that are not at their defaults."""
+    changed = parameters.model_dump(exclude_defaults=True, exclude={"time_step", "slip_limit"})
+    return tuple(
+        f"`{name}` of {value:g}" if isinstance(value, float) else f"`{name}`" for name, value in changed.items()
     )
 
 

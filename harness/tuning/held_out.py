@@ -10,19 +10,20 @@ from itertools import groupby
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.errors import EngineFailure
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import AHEAD, KNOWN, Block, blocks_of
 from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import evenly_chosen, rms
 from harness.parallel import side_by_side
 from harness.progress import Progress, silent
-from harness.tuning.estimate.fit import fit
+from harness.tuning.estimate.fit import fit, run_through
 from harness.tuning.estimate.runs import Model, Values, known_positions
 from harness.tuning.estimate.selection import Selection
 from harness.tuning.estimate.windows import Stretch, fitted_stretches, stretches_of
 
 _MOST = 12  # blocks: of many, so many are taken evenly
-_NEAR = 8  # evaluations of a fit that begins at the fit to everything
+_NEAR = 8  # evaluations of a fit that begins at the values fitted to everything
 _FEWEST = 4  # blocks for an interval of a difference
 
 
@@ -57,6 +58,11 @@ class HeldOutErrors:
     after: FloatArray
     predicted: tuple[Predicted, ...] = ()
 
+    def untuned(self) -> HeldOutErrors:
+        """The same of an engine that stays as it was."""
+        predicted = tuple(replace(one, after=one.before) for one in self.predicted)
+        return replace(self, after=self.before, predicted=predicted)
+
     @property
     def margin(self) -> Margin | None:
         """By how much tuning lowers the RMS error [m]; `None` for too few blocks."""
@@ -64,7 +70,7 @@ class HeldOutErrors:
 
 
 def held_out_errors(model: Model, selection: Selection, progress: Progress = silent) -> HeldOutErrors | None:
-    """Errors on held-out blocks before and after; `None` where the recordings are too short for any.
+    """Errors on held-out blocks before and after; `None` where there is none that the engine runs through.
 
     The tuned parameters are fitted anew for every group of blocks that is held out together.
     """
@@ -79,7 +85,11 @@ def held_out_errors(model: Model, selection: Selection, progress: Progress = sil
         model.jobs,
         lambda done: progress(f"held-out blocks: group {done} of {count}", share=done / count),
     )
-    both = [each for group in found for each in group]
+    pairs = zip(chosen, [each for group in found for each in group], strict=True)
+    kept = [one for one in pairs if np.isfinite(one[1][0].error) and np.isfinite(one[1][1].error)]
+    if not kept:
+        return None
+    chosen, both = tuple(block for block, _ in kept), [errors for _, errors in kept]
     before, after = (np.array([one[which].error for one in both]) for which in (0, 1))
     predicted = tuple(
         Predicted(block.held_out[0].recording.name, old.time, old.position, new.position)
@@ -106,10 +116,19 @@ def _group(model: Model, selection: Selection, blocks: Sequence[Block]) -> list[
     values: Values = found.values
     if selection.pays:
         windows = fitted_stretches(problem)
-        values = fit(rest, windows, found.free, values, iterations=_NEAR).values if windows else values
+        values = _refitted(rest, windows, selection) if windows else values
     before = _of_blocks(model, blocks, selection.before.values)
     after = _of_blocks(model, blocks, values) if selection.pays else before
     return list(zip(before, after, strict=True))
+
+
+def _refitted(model: Model, windows: Sequence[Stretch], selection: Selection) -> Values:
+    found = selection.found
+    try:
+        return fit(model, windows, found.free, found.values, iterations=_NEAR).values
+    except EngineFailure:
+        kept, _ = run_through(model, windows, found.values)
+        return fit(model, kept, found.free, found.values, iterations=_NEAR).values
 
 
 def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
@@ -129,7 +148,11 @@ def _of_blocks(model: Model, blocks: Sequence[Block], values: Values) -> list[_O
         spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in windows]
         stretches = stretches_of(model.problem, windows[0].recording, spans)
         known = [one.part(one.time < one.time[0] + KNOWN) for one in stretches]
-        starts = fit(model, known, [], {}, fixed=values, iterations=_NEAR).starts
+        try:
+            starts = fit(model, known, [], {}, fixed=values).starts
+        except EngineFailure:
+            made.append(_OfBlock(np.nan, np.zeros(0), np.zeros(0)))
+            continue
         runs = model.runs(stretches, [(values, starts)])[0]
         error = rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)]))
         # Up to where the next block begins: where windows have too few readings, the first one left may begin later.

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
+from analytic.rig import Rig
 from harness.engines.catalogue import parameters_of
 from harness.engines.protocol import Engine
-from harness.errors import InputError
+from harness.errors import EngineFailure, InputError
 from harness.failures import Failed, Failures, Part, attempt
 from harness.identify.problem.problem import Problem
+from harness.numerics import rms
 from harness.progress import Progress, Stage, silent
+from harness.tuning.estimate.fit import run_through
 from harness.tuning.estimate.free import LEVEL, Free, free_of, level_of
 from harness.tuning.estimate.runs import Model
 from harness.tuning.estimate.selection import Selection, select
@@ -32,6 +35,20 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
+class Rejected:
+    """What pays on the readings that it was fitted to, and predicts held-out ones no better.
+
+    Attributes:
+        names: of the parameters.
+        before, after: RMS errors on held-out blocks without and with them [m].
+    """
+
+    names: tuple[str, ...]
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
 class Tuned:
     """What tuning found.
 
@@ -41,6 +58,8 @@ class Tuned:
         selection: fits and decisions.
         combinations: what the recordings do not tell apart.
         held_out: errors on held-out blocks; `None` where there are none.
+        rejected: what is not tuned although it pays in sample.
+        left_out: failures of the engine with its settings, one of each window that it does not run through.
         failures: parts that failed.
     """
 
@@ -49,6 +68,8 @@ class Tuned:
     selection: Selection
     combinations: tuple[Combination, ...]
     held_out: HeldOutErrors | None
+    rejected: Rejected | None = None
+    left_out: tuple[EngineFailure, ...] = ()
     failures: tuple[Failed, ...] = ()
 
     @property
@@ -94,7 +115,7 @@ def tune(
 
     Raises:
         InputError: a parameter cannot be free, or no recording is long enough.
-        EngineFailure: the engine fails with its settings.
+        EngineFailure: the engine fails with its settings in every window.
     """
     free = {one.name: one for one in free_parameters(problem, engine, settings, names)}
     model = Model(engine, problem, settings, free, jobs)
@@ -102,21 +123,52 @@ def tune(
     if not windows:
         raise InputError("no recording to identify from has readings enough for a free run; record for 5 s or longer")
     failures = Failures()
-    selection = select(model, windows, [name for name in free if name != LEVEL], Stage(progress, *_FITS))
-    return Tuned(
-        model,
-        windows,
-        selection,
-        combinations(selection, tuple(free.values())),
-        attempt(
-            failures,
-            Part.VALIDATION,
-            "errors on held-out blocks",
-            lambda: held_out_errors(model, selection, Stage(progress, *_ERRORS)),
-            None,
-        ),
-        failures.all,
+    tried = [name for name in free if name != LEVEL]
+    left_out: tuple[EngineFailure, ...] = ()
+    try:
+        selection = select(model, windows, tried, Stage(progress, *_FITS))
+    except EngineFailure:
+        windows, left_out = run_through(model, windows, {LEVEL: float(free[LEVEL].default or 0.0)})
+        if not left_out:
+            raise
+        selection = select(model, windows, tried, Stage(progress, *_FITS))
+    held_out = attempt(
+        failures,
+        Part.VALIDATION,
+        "errors on held-out blocks",
+        lambda: held_out_errors(model, selection, Stage(progress, *_ERRORS)),
+        None,
     )
+    selection, held_out, rejected = _predicting(selection, held_out)
+    told_apart = combinations(selection, tuple(free.values()))
+    return Tuned(model, windows, selection, told_apart, held_out, rejected, left_out, failures.all)
+
+
+def _predicting(
+    selection: Selection, held_out: HeldOutErrors | None
+) -> tuple[Selection, HeldOutErrors | None, Rejected | None]:
+    """The same, or nothing tuned where physics is missing and what pays in sample predicts no better.
+
+    A parameter of an incomplete model fits the colour of what is missing; that of a complete one is known from the
+    fit, better than a few blocks tell.
+    """
+    if held_out is None or not selection.pays or selection.found.complete:
+        return selection, held_out, None
+    before, after = rms(held_out.before), rms(held_out.after)
+    if after < before:
+        return selection, held_out, None
+    return replace(selection, pays=()), held_out.untuned(), Rejected(selection.pays, before, after)
+
+
+def check_names(engine: Engine, settings: Mapping[str, Any], names: Sequence[str] | None) -> None:
+    """Refuse names that cannot be free on any rig, before anything is computed for this one.
+
+    Raises:
+        InputError: there are none, or one of them cannot be.
+    """
+    if names is not None and not any(name.strip() for name in names):
+        raise InputError("--free names no parameter; name one, or leave it out for the default set")
+    free_of(engine, Rig(), parameters_of(engine, settings), names)
 
 
 def free_parameters(

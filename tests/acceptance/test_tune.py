@@ -63,3 +63,6 @@ def test_a_wrong_name_is_told_before_anything_is_computed(harness: Harness) -> N
     assert done.code == 2
     (error,) = done.errors
     assert "Did you mean 'friction'" in error
+    done = harness("tune", "paper_protocol", "--free", ", ")
+    assert done.code == 2
+    assert "--free names no parameter" in done.err

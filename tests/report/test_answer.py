@@ -97,7 +97,14 @@ def test_engines_that_agree_with_cam():
 
 @pytest.mark.parametrize(
     ("engine", "advice"),
-    [(EngineFact("mujoco", 5e-3, 4e-3, 1e-4), "reduce it"), (EngineFact("mujoco", 5e-3, 1e-4, 4e-3), "stiffen it")],
+    [
+        (EngineFact("mujoco", 5e-3, 4e-3, 1e-4), "reduce it"),
+        (EngineFact("mujoco", 5e-3, 1e-4, 4e-3), "its contact model (stiffen it)"),
+        (
+            EngineFact("mujoco", 5e-3, 1e-4, 4e-3, chosen=("`rolling_friction` of 0.001",)),
+            "its contact model with its `rolling_friction` of 0.001.",
+        ),
+    ],
 )
 def test_engines_that_depart_from_cam(engine, advice):
     """Report an engine's difference from CAM, its main part, and the remedy."""

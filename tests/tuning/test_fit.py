@@ -47,10 +47,10 @@ def test_windows_that_contradict_each_other_widen_the_interval() -> None:
 
 
 def test_a_parameter_enters_only_if_it_pays_by_more_than_the_criterion() -> None:
-    """Ask for a decrease of the deviance by log n + 6, over the excess of the residuals."""
+    """Ask for a decrease of the deviance by log n + 6, over the factor that widens intervals."""
     residual = np.random.default_rng(4).standard_normal(COUNT)
     with_ = fitted(residual / np.sqrt(np.mean(residual**2)))
-    asked = (np.log(COUNT) + 6.0) * max(with_.excess, 1.0)
+    asked = (np.log(COUNT) + 6.0) * with_.inflation
     for more, kept in ((1.01, True), (0.99, False)):
         without = fitted(residual)
         without = Fitted(**{**vars(without), "deviance": with_.deviance + more * asked})

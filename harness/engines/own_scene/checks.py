@@ -129,23 +129,31 @@ def _reach(seen: Measured, use: Use) -> Iterator[Check]:
     yield Check("track", Status.ERROR, f"{text}, and the recordings need {low:.3f} to {high:.3f} m. {hint}")
 
 
+# Of a groove that is right in the file.
+_GEOMETRY = (
+    " If both seem right: an engine takes a mesh for its convex hull, so that a groove takes a mesh for each side, and "
+    "PyBullet rounds the edges of boxes and hulls by a margin."
+)
+
+
 def _against(seen: Measured, rig: Rig) -> Iterator[Check]:
     own = seen.rig(rig.level_angle)
     for one in _QUANTITIES:
         there, here = getattr(own, one.name), getattr(rig, one.name)
         off = abs(there / here - 1.0)
         status = Status.ERROR if off > one.error else Status.WARNING if off > one.warning else Status.OK
-        yield _compared(one.name, there, here, one.unit, f"{100.0 * off:.2g} %", status)
+        hint = _GEOMETRY if one.name == "rolling_radius" else ""
+        yield _compared(one.name, there, here, one.unit, f"{100.0 * off:.2g} %", status, hint)
     off = abs(own.eccentricity - rig.eccentricity)
     status = Status.ERROR if off > _ECCENTRICITY[1] else Status.WARNING if off > _ECCENTRICITY[0] else Status.OK
     yield _compared("eccentricity", own.eccentricity, rig.eccentricity, "m", f"{1e3 * off:.2g} mm", status)
 
 
-def _compared(name: str, there: float, here: float, unit: str, off: str, status: Status) -> Check:
+def _compared(name: str, there: float, here: float, unit: str, off: str, status: Status, hint: str = "") -> Check:
     words = name.replace("_", " ")
     text = f"{there:.5g} {unit}".rstrip() + f" in the scene, {here:.5g} {unit}".rstrip() + " in rig.toml"
     if status is not Status.OK:
-        text += f", {off} apart. Correct whichever is wrong; the scene runs with its own."
+        text += f", {off} apart. Correct whichever is wrong; the scene runs with its own.{hint}"
     return Check(words, status, text)
 
 

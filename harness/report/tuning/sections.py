@@ -117,8 +117,8 @@ def errors(subject: Subject) -> Section | None:
         ()
         if margin is None or not subject.tuned.selection.pays
         else (
-            f"Tuning lowers the RMS error by {length(margin.value)} (95 % interval {length(margin.low)} … "
-            f"{length(margin.high)}, paired bootstrap over blocks).",
+            f"The RMS error falls by {length(margin.value)} (95 % interval {length(margin.low)} … "
+            f"{length(margin.high)}, paired bootstrap over blocks; below 0 it rises).",
         )
     )
     note = (

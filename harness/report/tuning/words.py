@@ -8,7 +8,7 @@ from harness.formatting import length, listed, measured, number
 from harness.numerics import rms
 from harness.report.palette import label_of
 from harness.tuning.cam import CamErrors
-from harness.tuning.tune import Tuned, Verdict
+from harness.tuning.tune import Rejected, Tuned, Verdict
 
 _BETTER = 0.8  # of the engine's held-out error, below which CAM with effects counts as better
 
@@ -33,12 +33,27 @@ def sentences(tuned: Tuned, cam: CamErrors | None, case: str) -> tuple[str, ...]
             )
         case Verdict.PHYSICS:
             told.append(f"No free parameter of {name} helps, although {lacks}.")
+            if tuned.rejected is not None:
+                told.append(_rejection(tuned.rejected))
+    if tuned.left_out:
+        told.append(
+            f"{len(tuned.left_out)} of {len(tuned.left_out) + len(tuned.windows)} windows are left out, which {name} "
+            f"does not run through: {tuned.left_out[0].reason} (first at {number(tuned.left_out[0].time, 4)} s)."
+        )
     told += _errors(tuned, cam)
     if not found.complete:
         beyond = "Still " if tuned.verdict is Verdict.TUNED else ""
         physics = f"physics is missing that no contact parameter stands for. `harness diagnose {case}` looks for it."
         told.append(f"{beyond}{lacks}: {physics}" if beyond else physics[:1].upper() + physics[1:])
     return tuple(told)
+
+
+def _rejection(rejected: Rejected) -> str:
+    names = listed([f"`{one}`" for one in rejected.names])
+    pay = "pays" if len(rejected.names) == 1 else "pay"
+    change = "rises" if rejected.after > rejected.before else "stays"
+    errors = f"from {length(rejected.before)} to {length(rejected.after)}"
+    return f"{names} {pay} on the readings fitted to, but on held-out blocks the RMS error {change}, {errors}."
 
 
 def value_text(tuned: Tuned, name: str) -> str:

@@ -17,6 +17,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from analytic.motion import FloatArray
+from harness.errors import EngineFailure
 from harness.tuning.estimate.free import Free
 from harness.tuning.estimate.runs import Model, Values
 from harness.tuning.estimate.windows import Stretch
@@ -27,6 +28,7 @@ _CLIPPED = 0.9947  # mean of min(z², 9) of a standard normal z
 _MEDIAN = 0.6745  # median absolute value of a standard normal variable
 _WRONG = 2.0  # excess from which a model is clearly incomplete
 _STEPS = (1e-3, 2e-3)  # of difference quotients by a start [m], [m/s]
+_SETTLING = 2  # steps of least squares for starts that are not known yet
 _ITERATIONS = 20
 _TOLERANCE = 1e-4  # relative decrease of the loss at which a fit ends
 _CLUSTERS = 6  # windows from which they tell a covariance of their own
@@ -188,6 +190,17 @@ class Objective:
                 made[np.arange(len(column)), k + 2 * self.window + (i - k)] = column
         return made
 
+    def settled(self, x: FloatArray) -> FloatArray:
+        """x with starts of least squares, shape (k + 2 windows,): runs are nearly linear in them.
+
+        From a first guess that is hundreds of standard deviations off, the robust loss would take dozens of steps.
+        """
+        made, k = x.copy(), len(self.free)
+        for _ in range(_SETTLING):
+            move = np.linalg.lstsq(self.jacobian(made)[:, k:], self.residual(made), rcond=None)[0]
+            made[k:] -= move
+        return made
+
     def _whitened(self, parts: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate([one.whitened(part) for one, part in zip(self.windows, parts, strict=True)])
 
@@ -204,6 +217,32 @@ class Objective:
 def deviance_of(residual: FloatArray) -> float:
     """Twice the robust loss of whitened residuals, any shape."""
     return float(np.sum(2.0 * ROBUST**2 * (np.sqrt(1.0 + (residual / ROBUST) ** 2) - 1.0)))
+
+
+def run_through(
+    model: Model, windows: Sequence[Stretch], values: Values
+) -> tuple[tuple[Stretch, ...], tuple[EngineFailure, ...]]:
+    """The windows that the engine runs through with these values from a start fitted to each, and its failures.
+
+    Raises:
+        EngineFailure: it runs through none.
+    """
+    kept, failures = [], []
+    for one in windows:
+        try:
+            fit(model, [one], [], {}, fixed=values)
+            kept.append(one)
+        except EngineFailure as failure:
+            failures.append(failure)
+    if failures and not kept:
+        first = failures[0]
+        names = ", ".join(dict.fromkeys(one.recording.name for one in windows))
+        advice = (
+            f"So it is in every window of {names}, and nothing can be tuned to them. Record a gentler motion, or let "
+            "`harness diagnose` find what acts, for which no engine is needed"
+        )
+        raise EngineFailure(first.engine, first.failure, first.time, f"{first.reason}. {advice}")
+    return tuple(kept), tuple(failures)
 
 
 def fit(
@@ -223,7 +262,7 @@ def fit(
         windows: to fit to.
         free: the parameters to fit.
         initial: their first values, by name.
-        starts: first guess, shape (windows, 2); by the first readings if none is given.
+        starts: first guess, shape (windows, 2); if none is given, by the first readings and then by least squares.
         fixed: values of parameters that are not fitted and not at their defaults.
         iterations: most evaluations of the residuals.
 
@@ -237,6 +276,8 @@ def fit(
     x = np.concatenate(([one.scaled(initial[one.name]) for one in free], first.ravel()))
     margin = 1e-9 * np.where(np.isfinite(high - low), high - low, 0.0)
     x = np.clip(x, low + margin, high - margin)
+    if starts is None:
+        x = objective.settled(x)
     done = least_squares(
         objective.residual,
         x,

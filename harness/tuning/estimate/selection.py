@@ -1,7 +1,8 @@
 """Which parameters to tune: screening by sensitivity, then forward selection, each step judged by one criterion.
 
 A parameter enters if it lowers the BIC (Schwarz, Ann. Statist. 6, 1978) by more than `KEEP`, with the deviance over the
-factor by which residuals exceed what noise and angle error explain. It is the threshold of a diagnosis for an effect.
+factor by which residuals exceed what noise and angle error explain, the one that widens intervals: what pays then is
+surely not its default. It is the threshold of a diagnosis for an effect.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def select(model: Model, windows: Sequence[Stretch], names: Sequence[str], progr
         )
         now = screen(model, windows, found, rest)
         screened = {**screened, **({name: one for name, one in now.items() if name not in screened})}
-        asked = max(found.excess, 1.0) * (KEEP + math.log(len(found.residual)))
+        asked = found.inflation * (KEEP + math.log(len(found.residual)))
         promising = [one for one in now.values() if one.seen and one.gain > _PROMISING * asked]
         promising = sorted(promising, key=lambda one: -one.gain)[:_FITTED]
         fits: dict[str, Fitted] = {}
@@ -152,7 +153,7 @@ def attempt(name: str, without: Fitted, with_: Fitted, *, kept: bool) -> Attempt
         without, with_: fits without and with it.
         kept: whether it is to be kept if it pays; otherwise another one paid more.
     """
-    deviance = (without.deviance - with_.deviance) / max(with_.excess, 1.0)
+    deviance = (without.deviance - with_.deviance) / with_.inflation
     bic = deviance - math.log(len(with_.residual))
     pays = bic > KEEP
     why = f"lowers the BIC by {bic:.3g}" if bic > 0.0 else f"does not lower the BIC ({-bic:+.3g})"

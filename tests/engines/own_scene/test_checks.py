@@ -176,6 +176,18 @@ def test_loop_of_the_linkage_has_to_be_closed(tmp_path: Path) -> None:
         list(engine_with(written(tmp_path, text[:begin] + text[end:], **names)).checks(Rig(), USE))
 
 
+def test_a_linkage_that_gives_way_is_told_before_a_run(tmp_path: Path) -> None:
+    """Warn of constraints as soft as MuJoCo's defaults, and not of the stiff ones."""
+    names = {"beam_joint": "beam_hinge", "driven_joint": "motor"}
+    text, stiff = crank_and_link(Rig()), 'solref="0.002 1" solimp="0.9999 0.9999 0.001"'
+    assert stiff in text
+    what = "stiffness of the linkage"
+    assert what not in found(engine_with(written(tmp_path, text, **names)), Rig())
+    soft = found(engine_with(written(tmp_path, text.replace(stiff, ""), **names)), Rig())[what]
+    assert soft.status is Status.WARNING
+    assert "time constant of 20 ms" in soft.text
+
+
 def test_crank_that_is_too_short_is_told(tmp_path: Path) -> None:
     """Ask a crank of 60 mm at 0.4 m for 12°, which takes 83 mm."""
     scene = written(tmp_path, crank_and_link(Rig()), beam_joint="beam_hinge", driven_joint="motor")
