@@ -148,7 +148,10 @@ def plan_of(spec: Spec) -> Plan:
     files: list[Path] = []
     simulated = []
     for number, (written, path) in enumerate(zip(spec.case_names, spec.cases, strict=True)):
-        case = load_case(path)
+        try:
+            case = load_case(path)
+        except InputError as error:
+            raise InputError(f"{spec.path}: cases: {error}") from error
         simulated.append(case.simulated)
         _check_scene(spec, case)
         if case.sha256:

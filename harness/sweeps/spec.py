@@ -194,6 +194,8 @@ def _advice(error: ValidationError, raw: Mapping[str, Any]) -> str:
     if names == ["design"]:
         known = [GRID, LATIN_HYPERCUBE, SOBOL]
         return f"design: there is no {value!r}.{did_you_mean(str(value), known)} There are {', '.join(known)}."
+    if kind == "too_short":
+        return f"{where} is empty; name one at least, or leave it out where it has a default."
     if kind == "value_error":
         return f"{where}: {first['msg'].removeprefix('Value error, ')}."
     shown = raw.get(names[0]) if names and len(names) == 1 else value
