@@ -187,7 +187,12 @@ class Tuning(Summarised):
             "left_out": [{"time_s": one.time, "failure": one.reason} for one in tuned.left_out],
             "held_out": None
             if held is None
-            else {"blocks": held.blocks, "before_m": held.before.tolist(), "after_m": held.after.tolist()},
+            else {
+                "blocks": held.blocks,
+                "before_m": held.before.tolist(),
+                "after_m": held.after.tolist(),
+                "left_out": held.left_out,
+            },
             "cam": None
             if self.cam is None
             else {

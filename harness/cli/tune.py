@@ -93,6 +93,7 @@ def tune(
     if as_json:
         click.echo(to_json(made.content()))
     elif is_quiet():
+        # The last sentence of an incomplete model says that physics is missing.
         warning = [] if made.tuned.selection.found.complete else made.sentences[-1:]
         click.echo("\n".join([*made.sentences[:1], *warning, f"report: {folder / REPORT}"]).replace("`", ""))
     else:

@@ -1,7 +1,7 @@
 """A case: a folder with `rig.toml` and recordings, or one recording of the paper's rig."""
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +48,7 @@ class Case:
         findings: warnings and notes on the rig file and on all recordings.
         sha256: of the rig file; `None` if there is none.
         scene: the user's own scene, which engines run in place of the built-in one; `None` without one.
+        rig_from: names of the files that give quantities of `rig` in place of the rig file, by quantity.
     """
 
     path: Path
@@ -61,6 +62,7 @@ class Case:
     findings: tuple[DataFinding, ...]
     sha256: str | None
     scene: Scene | None = None
+    rig_from: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -70,4 +70,4 @@ def with_rig_changes(case: Case, file: Path | None) -> Case:
     told = ", ".join(f"{name.replace('_', ' ')} {value:.6g}" for name, value in changes.items())
     text = f"replaces quantities of the rig for all models and engines: {told}."
     note = DataFinding("note", file.name, text, RIG_CHANGES)
-    return replace(case, rig=rig, findings=(*case.findings, note))
+    return replace(case, rig=rig, findings=(*case.findings, note), rig_from=dict.fromkeys(changes, file.name))

@@ -30,7 +30,7 @@ class EngineFact:
         departure: largest |s_engine − s_CAM|; NaN if no run succeeded [m].
         numerical, contact: RMS of these parts of its free run's error; NaN without attribution [m].
         failed: message of its first failure, else empty.
-        chosen: names of its contact parameters that are not at their defaults.
+        chosen: its contact parameters that are not at their defaults, in words.
     """
 
     source: str
@@ -234,7 +234,7 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
 
 
 def _chosen(parameters: EngineParameters) -> tuple[str, ...]:
-    """Contact parameters that are not at their defaults."""
+    """Contact parameters that are not at their defaults, numbers with their values."""
     changed = parameters.model_dump(exclude_defaults=True, exclude={"time_step", "slip_limit"})
     return tuple(
         f"`{name}` of {value:g}" if isinstance(value, float) else f"`{name}`" for name, value in changed.items()

@@ -17,7 +17,7 @@ from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import evenly_chosen, rms
 from harness.parallel import side_by_side
 from harness.progress import Progress, silent
-from harness.tuning.estimate.fit import fit, run_through
+from harness.tuning.estimate.fit import fit
 from harness.tuning.estimate.runs import Model, Values, known_positions
 from harness.tuning.estimate.selection import Selection
 from harness.tuning.estimate.windows import Stretch, fitted_stretches, stretches_of
@@ -51,12 +51,14 @@ class HeldOutErrors:
         blocks: numbers of the blocks among those of the recordings, shape (n,).
         before, after: of the engine as it was and as it was tuned, shape (n,) [m].
         predicted: positions, of each block that has any, in the order of the recordings and of time.
+        left_out: number of blocks that the engine as it was does not run through.
     """
 
     blocks: tuple[int, ...]
     before: FloatArray
     after: FloatArray
     predicted: tuple[Predicted, ...] = ()
+    left_out: int = 0
 
     def untuned(self) -> HeldOutErrors:
         """The same of an engine that stays as it was."""
@@ -69,10 +71,15 @@ class HeldOutErrors:
         return None if len(self.blocks) < _FEWEST else rms_reduction(self.before, self.after)
 
 
-def held_out_errors(model: Model, selection: Selection, progress: Progress = silent) -> HeldOutErrors | None:
+def held_out_errors(
+    model: Model, windows: Sequence[Stretch], selection: Selection, progress: Progress = silent
+) -> HeldOutErrors | None:
     """Errors on held-out blocks before and after; `None` where there is none that the engine runs through.
 
     The tuned parameters are fitted anew for every group of blocks that is held out together.
+
+    Args:
+        windows: that they were fitted to; others, which the engine does not run through, are not fitted to here either.
     """
     every = list(enumerate(blocks_of(model.problem.recordings)))
     if not every:
@@ -81,54 +88,80 @@ def held_out_errors(model: Model, selection: Selection, progress: Progress = sil
     groups = [list(group) for _, group in groupby(chosen, key=lambda one: one[1].group)]
     count = len(groups)
     found = side_by_side(
-        [partial(_group, replace(model, jobs=1), selection, [block for _, block in group]) for group in groups],
+        [partial(_group, replace(model, jobs=1), windows, selection, [each for _, each in group]) for group in groups],
         model.jobs,
         lambda done: progress(f"held-out blocks: group {done} of {count}", share=done / count),
     )
-    pairs = zip(chosen, [each for group in found for each in group], strict=True)
-    kept = [one for one in pairs if np.isfinite(one[1][0].error) and np.isfinite(one[1][1].error)]
+    pairs = [pair for group in found for pair in group]
+    kept = [(*one, *pair) for one, pair in zip(chosen, pairs, strict=True) if pair is not None]
     if not kept:
         return None
-    chosen, both = tuple(block for block, _ in kept), [errors for _, errors in kept]
-    before, after = (np.array([one[which].error for one in both]) for which in (0, 1))
-    predicted = tuple(
-        Predicted(block.held_out[0].recording.name, old.time, old.position, new.position)
-        for (_, block), (old, new) in zip(chosen, both, strict=True)
-        if len(old.time)
+    return HeldOutErrors(
+        tuple(number for number, *_ in kept),
+        np.array([before.error for *_, before, _ in kept]),
+        np.array([after.error for *_, after in kept]),
+        tuple(
+            Predicted(block.held_out[0].recording.name, before.time, before.position, after.position)
+            for _, block, before, after in kept
+            if len(before.time)
+        ),
+        left_out=len(chosen) - len(kept),
     )
-    return HeldOutErrors(tuple(number for number, _ in chosen), before, after, predicted)
 
 
 @dataclass(frozen=True)
 class _OfBlock:
-    """RMS error over the windows of a block [m], and positions in the first of them, shape (m,) each [s, m]."""
+    """Of one block.
+
+    Attributes:
+        error: RMS over its windows [m].
+        time, position: in the first of them, shape (m,) each [s], [m].
+        run_through: whether the engine ran through all of them.
+    """
 
     error: float
     time: FloatArray
     position: FloatArray
+    run_through: bool
 
 
-def _group(model: Model, selection: Selection, blocks: Sequence[Block]) -> list[tuple[_OfBlock, _OfBlock]]:
-    """Each of these blocks before and after."""
-    problem = without(model.problem, blocks)
-    rest = replace(model, problem=problem)
-    found = selection.found
-    values: Values = found.values
-    if selection.pays:
-        windows = fitted_stretches(problem)
-        values = _refitted(rest, windows, selection) if windows else values
-    before = _of_blocks(model, blocks, selection.before.values)
-    after = _of_blocks(model, blocks, values) if selection.pays else before
-    return list(zip(before, after, strict=True))
+def _group(
+    model: Model, windows: Sequence[Stretch], selection: Selection, blocks: Sequence[Block]
+) -> list[tuple[_OfBlock, _OfBlock] | None]:
+    """Each of these blocks before and after; `None` where the engine as it was does not run through it.
+
+    Where only the tuned engine fails, its error is what tuning has done.
+    """
+    problem, values = without(model.problem, blocks), selection.found.values
+    rest = [one for one in fitted_stretches(problem) if _is_among(one, windows)]
+    if selection.pays and rest:
+        fitted = fit(replace(model, problem=problem), rest, selection.found.free, values, iterations=_NEAR)
+        values = fitted.values
+    made: list[tuple[_OfBlock, _OfBlock] | None] = []
+    for block in blocks:
+        before = _as_it_was(model, block, selection)
+        if before is None:
+            made.append(None)
+        else:
+            made.append((before, _of_block(model, block, values) if selection.pays else before))
+    return made
 
 
-def _refitted(model: Model, windows: Sequence[Stretch], selection: Selection) -> Values:
-    found = selection.found
+def _as_it_was(model: Model, block: Block, selection: Selection) -> _OfBlock | None:
+    """A block before tuning; `None` where the engine does not run through it."""
     try:
-        return fit(model, windows, found.free, found.values, iterations=_NEAR).values
+        before = _of_block(model, block, selection.before.values)
     except EngineFailure:
-        kept, _ = run_through(model, windows, found.values)
-        return fit(model, kept, found.free, found.values, iterations=_NEAR).values
+        return None
+    return before if before.run_through else None
+
+
+def _is_among(one: Stretch, windows: Sequence[Stretch]) -> bool:
+    """Whether a window of fewer readings, which may begin and end elsewhere by a second, is one of these."""
+    middle = 0.5 * (one.time[0] + one.time[-1])
+    return any(
+        one.recording.name == other.recording.name and other.time[0] <= middle <= other.time[-1] for other in windows
+    )
 
 
 def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
@@ -140,27 +173,25 @@ def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
     return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
 
 
-def _of_blocks(model: Model, blocks: Sequence[Block], values: Values) -> list[_OfBlock]:
-    """Error and positions of each block, from starts fitted to the known part of each window."""
-    made = []
-    for block in blocks:
-        windows = block.held_out
-        spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in windows]
-        stretches = stretches_of(model.problem, windows[0].recording, spans)
-        known = [one.part(one.time < one.time[0] + KNOWN) for one in stretches]
-        try:
-            starts = fit(model, known, [], {}, fixed=values).starts
-        except EngineFailure:
-            made.append(_OfBlock(np.nan, np.zeros(0), np.zeros(0)))
-            continue
-        runs = model.runs(stretches, [(values, starts)])[0]
-        error = rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)]))
-        # Up to where the next block begins: where windows have too few readings, the first one left may begin later.
-        end = windows[0].begin + KNOWN + AHEAD
-        first, run = stretches[0], runs[0]
-        shown = (first.time >= first.time[0] + KNOWN) & (first.time < end)
-        made.append(_OfBlock(error, first.time[shown], known_positions(run)[shown]))
-    return made
+def _of_block(model: Model, block: Block, values: Values) -> _OfBlock:
+    """Error and positions of a block, from starts fitted to the known part of each of its windows.
+
+    Raises:
+        EngineFailure: the engine fails in a known part.
+    """
+    windows = block.held_out
+    spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in windows]
+    stretches = stretches_of(model.problem, windows[0].recording, spans)
+    known = [one.part(one.time < one.time[0] + KNOWN) for one in stretches]
+    starts = fit(model, known, [], {}, fixed=values).starts
+    runs = model.runs(stretches, [(values, starts)])[0]
+    error = rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)]))
+    # Up to where the next block begins: where windows have too few readings, the first one left may begin later.
+    end = windows[0].begin + KNOWN + AHEAD
+    first, run = stretches[0], runs[0]
+    shown = (first.time >= first.time[0] + KNOWN) & (first.time < end)
+    through = all(bool(np.isfinite(known_positions(one)).all()) for one in runs)
+    return _OfBlock(error, first.time[shown], known_positions(run)[shown], through)
 
 
 def _ahead(window: Stretch, run: FloatArray) -> float:

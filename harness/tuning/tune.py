@@ -136,7 +136,7 @@ def tune(
         failures,
         Part.VALIDATION,
         "errors on held-out blocks",
-        lambda: held_out_errors(model, selection, Stage(progress, *_ERRORS)),
+        lambda: held_out_errors(model, windows, selection, Stage(progress, *_ERRORS)),
         None,
     )
     selection, held_out, rejected = _predicting(selection, held_out)

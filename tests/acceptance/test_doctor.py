@@ -148,7 +148,7 @@ def test_no_colour_where_it_is_not_wanted(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(set(main.commands) - {"completion", "doctor"}))
 def test_every_command_that_makes_something_can_be_quiet(name: str) -> None:
-    """Take --quiet wherever more than an answer was asked for."""
+    """Take --quiet, so that a script can give it to all of them."""
     assert any("--quiet" in one.opts for one in main.commands[name].params)
 
 

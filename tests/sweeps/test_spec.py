@@ -12,7 +12,7 @@ from tests.sweeps.made import spec_file
 
 MISTAKES = {
     "sources = [": "not valid TOML",
-    "cases = []": "cases",
+    "cases = []": "cases is empty; name one at least",
     'cases = "rig"': r'write cases = \["rig"\]',
     'engines = ["mujoco"]': "engines is unknown. Write sources",
     'sorces = ["mujoco"]': "sorces is unknown. Did you mean 'sources'",

@@ -15,12 +15,15 @@ from harness.identify.estimate.fit import fit as fit_cam
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.identify.problem.windows import blocks_of
 from harness.numerics import rms
 from harness.recording import load_case
-from harness.tuning.estimate.fit import run_through
+from harness.tuning.estimate.fit import fit, run_through
 from harness.tuning.estimate.free import LEVEL, level_of
 from harness.tuning.estimate.runs import Model
+from harness.tuning.estimate.selection import Selection
 from harness.tuning.estimate.windows import stretches_of
+from harness.tuning.held_out import held_out_errors
 from harness.tuning.tune import Tuned, Verdict, _predicting, tune
 from tests.posed import pose
 
@@ -72,6 +75,17 @@ def test_windows_in_which_the_ball_lifts_off_are_left_out(lifting: Model) -> Non
     assert [one.time[-1] for one in kept] == [windows[0].time[-1]]
     (failure,) = failures
     assert failure.of_the_rig
+
+
+def test_blocks_in_which_the_ball_lifts_off_are_left_out_and_counted(lifting: Model) -> None:
+    """Keep the blocks that the engine runs through, and no error of a run that ended."""
+    windows = stretches_of(lifting.problem, lifting.problem.recordings[0], [(0.0, 4.5)])
+    before = fit(lifting, windows, [], {}, fixed={LEVEL: 0.0})
+    found = held_out_errors(lifting, windows, Selection(before, before, {}, (), ()))
+    assert found is not None
+    assert found.left_out > 0
+    assert len(found.blocks) + found.left_out == len(blocks_of(lifting.problem.recordings))
+    assert np.isfinite(np.concatenate([one.before for one in found.predicted])).all()
 
 
 def test_a_rig_that_no_engine_runs_on_is_told_with_what_to_do(lifting: Model) -> None:

@@ -31,6 +31,7 @@ def test_a_case_takes_quantities_of_the_rig_and_says_so(tmp_path: Path) -> None:
     changed = with_rig_changes(case, file)
     assert changed.rig.level_angle == 0.001
     assert changed.rig.rolling_radius == case.rig.rolling_radius
+    assert (dict(case.rig_from), dict(changed.rig_from)) == ({}, {"level_angle": "tuned.toml"})
     assert any(one.code == "rig-changes" and "level angle 0.001" in one.text for one in changed.findings)
     assert with_rig_changes(case, None) is case
 

@@ -8,7 +8,6 @@ by a quintic spline; over 10° a crank's angle is so smooth that its error is fa
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -16,7 +15,6 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from analytic.motion import FloatArray
-from harness.engines.own_scene.checks import Check, Status
 from harness.engines.own_scene.mujoco_model import MuJoCoModel
 from harness.errors import InputError
 
@@ -24,7 +22,6 @@ _NODES = 65
 _CLOSED = 1e-9  # residual of the closed loop [m, rad]
 _LONGEST = 0.3  # of a step of Newton's method [rad, m]
 _MOST = 50  # steps of Newton's method
-_SOFT = 5e-3  # time constant of a constraint [s], above which it gives way by more than 10 µrad of the beam
 _DEAD = 1e-3  # change of the beam's angle over the crank's, below which the linkage is at a dead centre
 _STEP = math.radians(1.0)  # from the angle at which the file has the beam to the first one looked for
 
@@ -95,18 +92,6 @@ def linkage_of(loaded: MuJoCoModel, low: float, high: float) -> Linkage:
             f"{math.degrees(high):.1f}°, where the crank does not decide the beam's angle. Correct its lengths."
         )
     return Linkage(joints, make_interp_spline(nodes, solved, k=5), low, high)
-
-
-def softness(loaded: MuJoCoModel) -> Iterator[Check]:
-    """A warning where the loop's equality constraints give way, so that the beam departs from the recorded angle."""
-    softest = float(max((row[0] for row in loaded.model.eq_solref), default=0.0))  # negative where stiffness is given
-    if softest > _SOFT:
-        yield Check(
-            "stiffness of the linkage",
-            Status.WARNING,
-            f"an equality constraint gives way with a time constant of {1e3 * softest:g} ms, so that the beam will "
-            'depart from the recorded angle. Give it solref="0.002 1" solimp="0.9999 0.9999 0.001".',
-        )
 
 
 def _close(loaded: MuJoCoModel, data: mujoco.MjData, joints: tuple[int, ...], angle: float, place: str) -> None:

@@ -23,7 +23,7 @@ from harness.engines.mujoco_parameters import MuJoCoParameters
 from harness.engines.own_scene.checks import Check, Status, Use
 from harness.engines.own_scene.engine import SceneEngine
 from harness.engines.own_scene.frame import tilted
-from harness.engines.own_scene.linkage import Linkage, linkage_of, softness
+from harness.engines.own_scene.linkage import Linkage, linkage_of
 from harness.engines.own_scene.measuring import Measured, measure
 from harness.engines.own_scene.mujoco_checks import checks_of
 from harness.engines.own_scene.mujoco_model import ARMATURE, MuJoCoModel
@@ -74,7 +74,6 @@ class MuJoCoScene(SceneEngine[MuJoCoSceneParameters]):
                 yield Check(
                     "linkage", Status.OK, f"joint '{self.scene.driven_joint}' turns by {turn:.3g} rad per rad of α"
                 )
-                yield from softness(loaded)
 
     def drive(self, task: Task[MuJoCoSceneParameters]) -> tuple[Track, Samples]:
         """Steps through the grid; stops early if the run is invalid."""

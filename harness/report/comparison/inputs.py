@@ -5,7 +5,6 @@ from collections.abc import Mapping
 
 from harness.formatting import NONE, brief, length, number, plus_minus
 from harness.identify.rig_completion import Estimate
-from harness.recording.rig_changes import RIG_CHANGES
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Table, texts
@@ -76,9 +75,8 @@ def _status(subject: Subject, name: str, estimate: Estimate | None) -> tuple[str
         return "assumed", "the paper's Table 1, fitted to another rig"
     if name == "level_angle" and setting.choices.level_angle is not None:
         return "given", "on the command line"
-    for one in setting.case.findings:
-        if one.code == RIG_CHANGES and name.replace("_", " ") in one.text:
-            return "given", one.where
+    if name in setting.case.rig_from:
+        return "given", setting.case.rig_from[name]
     if getattr(setting.case.rig, name) is not None:
         return "given", "rig.toml" if setting.case.sha256 else "the paper's Table 1 (there is no rig.toml)"
     if name == "level_angle":

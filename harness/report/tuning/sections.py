@@ -54,13 +54,18 @@ def values_table(tuned: Tuned) -> Table:
         one = tuned.model.free[name]
         low, high = found.interval(name)
         default = NONE if one.default is None else number(one.default, 4)
-        remark = "pays" if name in tuned.selection.pays else "fitted along, does not pay"
+        remark = "pays" if name in tuned.selection.pays else f"fitted along, {_why_not(tuned, name)}"
         if found.at_bound(name):
             remark = "at its bound: its interval says little"
         interval = f"{number(low, 4)} … {number(high, 4)}"
         rows.append((f"`{name}`", default, number(found.values[name], 4), interval, one.unit, remark))
     columns = [*texts("parameter"), "before", "value", "95 % interval", *texts("unit", "")]
     return Table("Fitted parameters", columns, rows)
+
+
+def _why_not(tuned: Tuned, name: str) -> str:
+    rejected = tuned.rejected is not None and name in tuned.rejected.names
+    return "predicts held-out blocks no better" if rejected else "does not pay"
 
 
 def drawn(subject: Subject) -> Figure:
@@ -126,6 +131,8 @@ def errors(subject: Subject) -> Section | None:
         "the next 3 s are predicted from the angle. Parameters are fitted anew without the readings to be predicted. "
         "The engine's starts are fitted to the known part; CAM's come from its filter."
     )
+    if held.left_out:
+        note += f" {held.left_out} more blocks are left out, which {subject.engine} as it was does not run through."
     content = Content(texts=sure, pictures=_predictions(subject), tables=(table,), notes=(note,))
     return Section("errors", "Errors on held-out readings", "Errors", TEMPLATE, {"content": content})
 
@@ -135,7 +142,13 @@ def screening(subject: Subject) -> Section:
     selection = subject.tuned.selection
     rows = []
     for name, one in selection.screened.items():
-        verdict = "tuned" if name in selection.pays else "does not pay" if one.seen else "not seen: left at its default"
+        verdict = (
+            "tuned"
+            if name in selection.pays
+            else _why_not(subject.tuned, name)
+            if one.seen
+            else "not seen: left at its default"
+        )
         tried = ", ".join(number(value, 3) for value in one.tried)
         rows.append((f"`{name}`", tried, number(one.sensitivity), verdict))
     columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("")]

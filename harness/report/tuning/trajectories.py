@@ -117,7 +117,8 @@ def looks(subject: Subject) -> dict[str, Look]:
     """Of the runs, by `before` and `after`; one look where nothing was tuned and both are the same."""
     own = subject.look
     before = Look(f"{subject.engine}, before", "#8a8f98", (5.0, 2.0), 1.4, 4)
-    after = "tuned" if subject.tuned.selection.pays else "level angle fitted"
+    fitted = "level angle fitted" if subject.tuned.rejected is None else "fitted, and not taken"
+    after = "tuned" if subject.tuned.selection.pays else fitted
     return {"before": before, "after": Look(f"{subject.engine}, {after}", own.colour, None, 1.6, 5)}
 
 

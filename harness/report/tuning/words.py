@@ -51,9 +51,8 @@ def sentences(tuned: Tuned, cam: CamErrors | None, case: str) -> tuple[str, ...]
 def _rejection(rejected: Rejected) -> str:
     names = listed([f"`{one}`" for one in rejected.names])
     pay = "pays" if len(rejected.names) == 1 else "pay"
-    change = "rises" if rejected.after > rejected.before else "stays"
-    errors = f"from {length(rejected.before)} to {length(rejected.after)}"
-    return f"{names} {pay} on the readings fitted to, but on held-out blocks the RMS error {change}, {errors}."
+    errors = f"{length(rejected.after)} instead of {length(rejected.before)}"
+    return f"{names} {pay} on the readings fitted to, but on held-out blocks the RMS error is {errors}."
 
 
 def value_text(tuned: Tuned, name: str) -> str:

@@ -238,8 +238,8 @@ def run_through(
         first = failures[0]
         names = ", ".join(dict.fromkeys(one.recording.name for one in windows))
         advice = (
-            f"So it is in every window of {names}, and nothing can be tuned to them. Record a gentler motion, or let "
-            "`harness diagnose` find what acts, for which no engine is needed"
+            f"It fails in every window of {names}, so that nothing can be tuned to them; `harness diagnose` finds what "
+            "acts without an engine"
         )
         raise EngineFailure(first.engine, first.failure, first.time, f"{first.reason}. {advice}")
     return tuple(kept), tuple(failures)
