@@ -177,7 +177,7 @@ class Tuning(Summarised):
             "correlation": {"names": found.names, "matrix": found.correlation.tolist()},
             "not_identifiable": [asdict(one) for one in tuned.combinations],
             "left_at_default": {
-                name: {"sensitivity": one.sensitivity, "seen": one.seen, "tried": one.tried}
+                name: {"sensitivity": one.sensitivity, "seen": one.seen, "tried": one.tried, "failed": one.failed}
                 for name, one in selection.screened.items()
                 if name not in found.names
             },
@@ -225,6 +225,7 @@ def tune(
     force: bool = False,
     yes: bool = False,
     jobs: int = 1,
+    on: str = "",
     command: str = "",
     progress: bool | Progress = False,
 ) -> Tuning:
@@ -237,7 +238,7 @@ def tune(
         case: as of `load_case`, or its path.
         engine: `mujoco`, `pybullet` or `dart`.
         free: names of what may be tuned: settings of the engine, and quantities of the scene under their keys in
-            rig.toml; a default set if none is given.
+            rig.toml, as in `friction` or, with bounds of your own, `friction=0.01:0.2`; a default set if none is given.
         settings: contact parameters that stay as they are, as in `{"mujoco": {"time_step": 2e-3}}`.
         diagnosis: of the same recordings, or its folder: CAM with its effects is held against the engine. Without one
             the effects are searched for.
@@ -247,6 +248,7 @@ def tune(
         force: replace files in `out` that no tuning wrote, or that have been changed since, too.
         yes: tune although it takes longer than ten minutes or more than 4 GB of memory.
         jobs: processes that run the engine; more than 1 forks this process.
+        on: `dask://host:port`, to hand the fits to a Dask cluster instead.
         command: what repeats the tuning, for the record.
         progress: show a bar on stderr, or a function to be told.
 
@@ -262,6 +264,7 @@ def tune(
         refuse_worthless(case, (), accept)
         known = _known(case, diagnosis, effects)
         from harness.engines.catalogue import engine_of, parameters_of
+        from harness.jobs import executor_on
         from harness.tuning.tune import check_names, free_parameters
         from harness.tuning.tune import tune as fit
 
@@ -271,6 +274,9 @@ def tune(
             raise InputError(f"parameters of {', '.join(idle)} are set, but {engine} is tuned; drop them")
         fixed = dict((settings or {}).get(engine, {}))
         check_names(chosen, fixed, free)
+        if on and effects:
+            raise InputError("--on: the workers of a cluster know no effects of your own; leave --effects or --on out")
+        executor = executor_on(on) if on else None
         given = (*input_files(case), *files_of(effects))
         writing = partial(all_or_nothing, record=RECORD, names=FILES, inputs=given, force=force)
         # Entered first: what cannot be written need not be computed.
@@ -285,7 +291,7 @@ def tune(
             memory = tuning_memory(used, parameters_of(chosen, fixed).time_step, jobs)
             remedy = "set a longer time_step, free fewer parameters, or list fewer or shorter recordings"
             ask(seconds, memory, remedy, yes=yes)
-            tuned = fit(problem, chosen, fixed, free, tell, jobs=jobs)
+            tuned = fit(problem, chosen, fixed, free, tell, jobs=jobs, executor=executor)
             failures = Failures(tuned.failures)
             cam = None
             if tuned.held_out is not None:

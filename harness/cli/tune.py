@@ -20,10 +20,10 @@ _PATH = PathType()
 @click.option("--engine", default="mujoco", show_default=True, metavar="NAME", help="mujoco, pybullet or dart.")
 @click.option(
     "--free",
-    metavar="NAME,NAME…",
+    metavar="NAME[=LOW:HIGH],…",
     help="What may be tuned: parameters of the engine (`harness run --help` lists them) and, under their keys in "
-    "rig.toml, rolling_radius_m, inertia_kg_m2, eccentricity_m, gravity_m_s2 [default: a set for each engine]. The "
-    "level angle [rad] is fitted in any case.",
+    "rig.toml, rolling_radius_m, inertia_kg_m2, eccentricity_m, gravity_m_s2, each within its bounds or within these "
+    "narrower ones [default: a set for each engine]. The level angle, level_angle_rad, is fitted in any case.",
 )
 @click.option(
     "--set",
@@ -40,6 +40,12 @@ _PATH = PathType()
     help="Diagnosis of the same recordings, whose effects CAM is given [default: search for them].",
 )
 @click.option("--effects", multiple=True, type=_PATH, metavar="FILE", help="Python file with effects; repeatable.")
+@click.option(
+    "--on",
+    default="",
+    metavar="dask://HOST:PORT",
+    help="Hand the fits to the workers of this Dask cluster (extra dask).",
+)
 @click.option("--accept", multiple=True, metavar="CODE", help="Go on in spite of a finding; repeatable.")
 @click.option("--out", type=_PATH, help="Folder to write into [default: reports/<name of the case>].")
 @click.option(
@@ -67,6 +73,7 @@ def tune(
     Examples:
       harness tune my_rig/
       harness tune my_rig/ --engine pybullet --free lateral_friction_rail,rolling_friction
+      harness tune my_rig/ --free friction=0.005:0.2,level_angle_rad=-0.01:0.01
       harness tune my_rig/ --set mujoco.time_step=2e-3 --diagnosis reports/my_rig/
     """
     from harness.api.outputs import report_folder, to_json

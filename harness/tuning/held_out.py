@@ -13,6 +13,7 @@ from analytic.motion import FloatArray
 from harness.errors import EngineFailure
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import AHEAD, KNOWN, Block, blocks_of
+from harness.jobs import gathered
 from harness.metrics.bootstrap import Margin, rms_reduction
 from harness.numerics import evenly_chosen, rms
 from harness.parallel import side_by_side
@@ -87,11 +88,12 @@ def held_out_errors(
     chosen = evenly_chosen(every, _MOST)
     groups = [list(group) for _, group in groupby(chosen, key=lambda one: one[1].group)]
     count = len(groups)
-    found = side_by_side(
-        [partial(_group, replace(model, jobs=1), windows, selection, [each for _, each in group]) for group in groups],
-        model.jobs,
-        lambda done: progress(f"held-out blocks: group {done} of {count}", share=done / count),
-    )
+    jobs = [partial(_group, model.alone, windows, selection, [each for _, each in group]) for group in groups]
+
+    def tell(done: int) -> None:
+        progress(f"held-out blocks: group {done} of {count}", share=done / count)
+
+    found = side_by_side(jobs, model.jobs, tell) if model.executor is None else gathered(model.executor, jobs, tell)
     pairs = [pair for group in found for pair in group]
     kept = [(*one, *pair) for one, pair in zip(chosen, pairs, strict=True) if pair is not None]
     if not kept:

@@ -13,10 +13,11 @@ from harness.engines.protocol import Engine
 from harness.errors import EngineFailure, InputError
 from harness.failures import Failed, Failures, Part, attempt
 from harness.identify.problem.problem import Problem
+from harness.jobs import Executor
 from harness.numerics import rms
 from harness.progress import Progress, Stage, silent
 from harness.tuning.estimate.fit import run_through
-from harness.tuning.estimate.free import LEVEL, Free, free_of, level_of
+from harness.tuning.estimate.free import LEVEL, Free, Named, free_of, level_of
 from harness.tuning.estimate.runs import Model
 from harness.tuning.estimate.selection import Selection, select
 from harness.tuning.estimate.windows import Stretch, fitted_stretches
@@ -102,6 +103,7 @@ def tune(
     progress: Progress = silent,
     *,
     jobs: int = 1,
+    executor: Executor | None = None,
 ) -> Tuned:
     """Tune an engine to the recordings of a problem.
 
@@ -111,14 +113,15 @@ def tune(
         settings: of it that stay as they are.
         names: of the parameters that may be tuned; `None` for the default set.
         progress: receives the progress texts.
-        jobs: processes for the runs.
+        jobs: processes of this machine for the runs.
+        executor: that the fits of candidates and of held-out blocks are handed to, such as a cluster's.
 
     Raises:
         InputError: a parameter cannot be free, or no recording is long enough.
         EngineFailure: the engine fails with its settings in every window.
     """
     free = {one.name: one for one in free_parameters(problem, engine, settings, names)}
-    model = Model(engine, problem, settings, free, jobs)
+    model = Model(engine, problem, settings, free, jobs, executor)
     windows = fitted_stretches(problem)
     if not windows:
         raise InputError("no recording to identify from has readings enough for a free run; record for 5 s or longer")
@@ -168,7 +171,9 @@ def check_names(engine: Engine, settings: Mapping[str, Any], names: Sequence[str
     """
     if names is not None and not any(name.strip() for name in names):
         raise InputError("--free names no parameter; name one, or leave it out for the default set")
-    free_of(engine, Rig(), parameters_of(engine, settings), names)
+    # Bounds of quantities of the scene follow from the rig's.
+    plain = None if names is None else [Named.of(one).name for one in names]
+    free_of(engine, Rig(), parameters_of(engine, settings), plain)
 
 
 def free_parameters(
@@ -179,4 +184,4 @@ def free_parameters(
     Raises:
         InputError: one of them cannot be.
     """
-    return level_of(problem.rig), *free_of(engine, problem.rig, parameters_of(engine, settings), names)
+    return level_of(problem.rig, names), *free_of(engine, problem.rig, parameters_of(engine, settings), names)

@@ -11,10 +11,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from harness.engines.catalogue import engine_of
 from harness.errors import HarnessError, InputError
+from harness.identify.pose import problem_of
 from harness.jobs import Executor, Local, Lost, executor_on
+from harness.recording import load_case
+from harness.simulator import Experiment, write_case
+from harness.tuning.tune import tune
 from tests.jobs.functions import always_computes, always_fills, always_hangs, killed_once, raised, square
 
 distributed = pytest.importorskip("distributed")
@@ -121,3 +127,20 @@ def test_a_cluster_without_workers_ends_the_run(monkeypatch: pytest.MonkeyPatch,
         os.killpg(nannies.pid, signal.SIGKILL)
         with pytest.raises(HarnessError, match="no workers for 1 s; start some"):
             list(results)
+
+
+def test_a_tuning_is_that_of_this_machine(executor: Executor, tmp_path: Path) -> None:
+    """Hand the fits of candidates and held-out blocks to the workers; every number is the same, bit for bit."""
+    hidden = {"contact_slip": {"friction_coefficient": 0.0085}}
+    experiment = Experiment(hidden=hidden, duration=9.0, rate=25.0, counts=4096, predict=0, seed=501)
+    write_case(tmp_path / "case", experiment)
+    problem, settings = problem_of(load_case(tmp_path / "case")), {"time_step": 3e-3}
+    here = tune(problem, engine_of("mujoco"), settings, ["friction"], jobs=2)
+    there = tune(problem, engine_of("mujoco"), settings, ["friction"], executor=executor)
+    assert here.selection.pays == ("friction",)
+    assert there.settings == here.settings
+    assert there.selection.attempts == here.selection.attempts
+    assert np.array_equal(there.selection.found.covariance, here.selection.found.covariance)
+    assert here.held_out is not None
+    assert there.held_out is not None
+    assert np.array_equal(there.held_out.after, here.held_out.after)

@@ -6,12 +6,13 @@ import itertools
 import multiprocessing
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from harness.errors import InputError
-from harness.jobs import Executor, Local, Lost, OneProcess, executor_on
+from harness.errors import HarnessError, InputError
+from harness.jobs import Executor, Local, Lost, OneProcess, executor_on, gathered
 from tests.jobs.functions import always_dies, always_hangs, killed_once, raised, square
 
 BOTH = pytest.mark.parametrize("executor", [OneProcess(), Local(2)], ids=["one process", "two processes"])
@@ -46,6 +47,20 @@ def test_an_error_of_a_job_is_passed_on(executor: Executor) -> None:
     """Raise what the job raised."""
     with pytest.raises(ValueError, match="no 4"):
         list(executor.run(raised, [4]))
+
+
+def test_all_results_are_gathered_in_the_order_of_the_jobs() -> None:
+    """Return them in that order, whichever ends first, and count them as they come."""
+    counted: list[int] = []
+    jobs = [partial(square, value) for value in (3.0, 5.0, 7.0)]
+    assert gathered(Local(2), jobs, counted.append) == [3.0, 25.0 / 3.0, 49.0 / 3.0]
+    assert counted == [1, 2, 3]
+
+
+def test_a_lost_job_among_those_to_be_gathered_is_an_error() -> None:
+    """Return nothing where one result is missing, and say why."""
+    with pytest.raises(HarnessError, match="its process ended during the work"):
+        gathered(Local(2), [partial(always_dies, 0), partial(always_dies, 1)])
 
 
 def test_a_job_runs_elsewhere() -> None:

@@ -60,9 +60,36 @@ def test_on_a_flat_track_the_inertia_is_free_instead_of_the_rolling_radius() -> 
         (("friction",), {"friction": 0.3}, "set it or free it"),
         (("condim",), {}, "not a number to be fitted"),
         (("time_step",), {}, "not a number to be fitted"),
+        (("friction=0.1",), {}, "friction=LOW:HIGH"),
+        (("friction=0.2:0.1",), {}, "the smaller one first"),
+        (("friction=nan:0.1",), {}, "are two numbers"),
+        (("friction=0.01:1000",), {}, "give narrower ones"),
+        (("friction=0.01:0.1", "mujoco.friction"), {}, "names friction twice"),
     ],
 )
 def test_what_cannot_be_free_is_refused(names: tuple[str, ...], settings: dict[str, float], told: str) -> None:
     """Say what is wrong with a name and what to do."""
     with pytest.raises(InputError, match=told):
         free(*names, **settings)
+
+
+def test_bounds_of_the_user_narrow_those_of_the_engine() -> None:
+    """Fit and try values between them alone, on the same kind of scale."""
+    (one,) = free("friction=0.006:0.03")
+    assert (one.low, one.high) == (0.006, 0.03)
+    assert one.logarithmic
+    assert one.tried == (0.01, 0.02)
+    (narrow,) = free("mujoco.friction = 0.011:0.013")
+    assert len(narrow.tried) > 1
+    assert all(0.011 < value < 0.013 for value in narrow.tried)
+    # one rounding of double precision at either end
+    assert narrow.value(narrow.scaled(0.5)) == pytest.approx(0.013, rel=1e-15)
+
+
+def test_bounds_of_the_level_hold_beside_any_set() -> None:
+    """Take bounds of the level, which is free in any case, and refuse impossible ones."""
+    assert free("level_angle_rad=-0.02:0.03") == ()
+    level = level_of(Rig(), ["friction", "level_angle_rad=-0.02:0.03"])
+    assert (level.low, level.high) == (-0.02, 0.03)
+    with pytest.raises(InputError, match=r"its bounds are -0\.3491 to 0\.3491"):
+        level_of(Rig(), ["level_angle_rad=-1:1"])

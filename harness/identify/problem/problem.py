@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +119,10 @@ class PreparedRecording:
             return self.grid.tabulate(motion)
 
         return lru_cache(maxsize=_TABLES)(tabulated)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Its fields: what is computed from them and kept is computed anew where it is unpickled."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def rougher(self, factor: float) -> PreparedRecording:
         """The same with a rougher motion of the beam (`Drive.rougher`)."""

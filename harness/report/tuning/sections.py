@@ -149,6 +149,8 @@ def screening(subject: Subject) -> Section:
             if one.seen
             else "not seen: left at its default"
         )
+        if one.failed:
+            verdict += f"; {subject.engine} fails with {', '.join(f'{value:g}' for value in one.failed)}"
         tried = ", ".join(number(value, 3) for value in one.tried)
         rows.append((f"`{name}`", tried, number(one.sensitivity), verdict))
     columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("")]

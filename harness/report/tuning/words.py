@@ -42,6 +42,8 @@ def sentences(tuned: Tuned, cam: CamErrors | None, case: str) -> tuple[str, ...]
         )
     told += _errors(tuned, cam)
     if not found.complete:
+        told += _not_tried(tuned)
+    if not found.complete:
         beyond = "Still " if tuned.verdict is Verdict.TUNED else ""
         physics = f"physics is missing that no contact parameter stands for. `harness diagnose {case}` looks for it."
         told.append(f"{beyond}{lacks}: {physics}" if beyond else physics[:1].upper() + physics[1:])
@@ -53,6 +55,19 @@ def _rejection(rejected: Rejected) -> str:
     pay = "pays" if len(rejected.names) == 1 else "pay"
     errors = f"{length(rejected.after)} instead of {length(rejected.before)}"
     return f"{names} {pay} on the readings fitted to, but on held-out blocks the RMS error is {errors}."
+
+
+def _not_tried(tuned: Tuned) -> list[str]:
+    """What the engine could not be tried with, and how it may be."""
+    engine = tuned.model.engine.name
+    half = 0.5 * tuned.model.parameters(tuned.selection.found.values).time_step
+    return [
+        f"`{one.name}` could not be tried at {listed([f'{value:g}' for value in one.failed])}: with "
+        f"{one.failed[0]:g} {label_of(engine)} fails at {number(one.failure.time, 4)} s ({one.failure.reason}). "
+        f"`--set {engine}.time_step={half:g}` may let it run through."
+        for one in tuned.selection.screened.values()
+        if one.name not in tuned.selection.pays and one.failure is not None
+    ]
 
 
 def value_text(tuned: Tuned, name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -112,11 +112,44 @@ class Free:
         return 0.02 if self.logarithmic else 2e-3
 
 
-def level_of(rig: Rig) -> Free:
-    """The level angle α₀ of this rig."""
+@dataclass(frozen=True)
+class Named:
+    """What `--free` says of one parameter: its name, and bounds in its unit where the user gives some."""
+
+    name: str
+    bounds: tuple[float, float] | None = None
+
+    @classmethod
+    def of(cls, text: str) -> Named:
+        """Read `NAME` or `NAME=LOW:HIGH`.
+
+        Raises:
+            InputError: what stands after the `=` is no pair of numbers, the smaller one first.
+        """
+        name, given, ends = (part.strip() for part in text.partition("="))
+        if not given:
+            return cls(name)
+        low, _, high = ends.partition(":")
+        try:
+            bounds = float(low), float(high)
+        except ValueError:
+            bounds = math.nan, math.nan
+        if not (math.isfinite(bounds[0]) and math.isfinite(bounds[1]) and bounds[0] < bounds[1]):
+            raise InputError(f"--free {text.strip()}: bounds are two numbers, the smaller one first: {name}=LOW:HIGH")
+        return cls(name, bounds)
+
+
+def level_of(rig: Rig, names: Sequence[str] | None = None) -> Free:
+    """The level angle α₀ of this rig, within bounds if `names` give it some.
+
+    Raises:
+        InputError: these bounds cannot be used.
+    """
     limit = math.radians(20.0)
     tried = (rig.level_angle - _LEVEL_TRIED, rig.level_angle + _LEVEL_TRIED)
-    return Free(LEVEL, "rad", rig.level_angle, -limit, limit, False, tried, quantity="level_angle")
+    level = Free(LEVEL, "rad", rig.level_angle, -limit, limit, False, tried, quantity="level_angle")
+    given = [one.bounds for one in map(Named.of, names or ()) if one.name == LEVEL and one.bounds]
+    return _within(level, given[0]) if given else level
 
 
 def free_of(engine: Engine, rig: Rig, settings: EngineParameters, names: Sequence[str] | None) -> tuple[Free, ...]:
@@ -126,21 +159,39 @@ def free_of(engine: Engine, rig: Rig, settings: EngineParameters, names: Sequenc
         engine: whose settings they are, or whose scene.
         rig: of the scene.
         settings: that the user has set; what is free is not among them.
-        names: `None` for the default set.
+        names: `NAME` or `NAME=LOW:HIGH` each; `None` for the default set.
 
     Raises:
-        InputError: a name is none, stands there twice, is set as well, or is of a parameter that cannot be fitted.
+        InputError: a name is none, stands there twice, is set as well, or is of a parameter that cannot be fitted; or
+            its bounds reach beyond those of the engine or the scene.
     """
     flat = rig.rolling_radius >= rig.radius * (1.0 - 1e-9)
     if names is None:
         chosen = [ON_FLAT_RAIL.get(name, name) if flat else name for name in DEFAULT_FREE[engine.name]]
         chosen = [name for name in chosen if name not in settings.model_fields_set and _there(engine, name)]
-    else:
-        chosen = [name.strip().removeprefix(f"{engine.name}.") for name in names if name.strip() != LEVEL]
+        return tuple(_free(engine, rig, settings, name, flat) for name in chosen)
+    given = [(one.name.removeprefix(f"{engine.name}."), one.bounds) for one in map(Named.of, names)]
+    chosen = [name for name, _ in given]
     twice = [name for name in chosen if chosen.count(name) > 1]
     if twice:
         raise InputError(f"--free names {twice[0]} twice; name it once")
-    return tuple(_free(engine, rig, settings, name, flat) for name in chosen)
+    made = ((_free(engine, rig, settings, name, flat), bounds) for name, bounds in given if name != LEVEL)
+    return tuple(one if bounds is None else _within(one, bounds) for one, bounds in made)
+
+
+def _within(one: Free, bounds: tuple[float, float]) -> Free:
+    """The parameter within the user's bounds, with values to try among those between them."""
+    low, high = bounds
+    if low < one.low or high > one.high:
+        raise InputError(
+            f"--free {one.name}={low:g}:{high:g}: its bounds are {one.low:.4g} to {one.high:.4g} [{one.unit}]; "
+            "give narrower ones"
+        )
+    tried = tuple(value for value in one.tried if low <= value <= high)
+    narrowed = replace(one, low=low, high=high)
+    ends = narrowed.scaled(low), narrowed.scaled(high)
+    spread = (narrowed.value(ends[0] + share * (ends[1] - ends[0])) for share in _SHARES)
+    return replace(narrowed, tried=tried or tuple(value for value in spread if value != one.default))
 
 
 def _free(engine: Engine, rig: Rig, settings: EngineParameters, name: str, flat: bool) -> Free:

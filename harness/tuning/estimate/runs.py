@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,7 @@ from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure, InputError
 from harness.identify.problem.problem import Problem
+from harness.jobs import Executor
 from harness.parallel import side_by_side
 from harness.tuning.estimate.free import Free
 from harness.tuning.estimate.windows import Stretch
@@ -43,7 +44,8 @@ class Model:
         problem: whose rig and declared effects it is given.
         settings: of the engine, as the user set them.
         free: what may be tuned, by name; the level angle among them.
-        jobs: processes for the runs.
+        jobs: processes of this machine for the runs.
+        executor: that whole fits are handed to; `None` where this process does them.
     """
 
     engine: Engine
@@ -51,6 +53,12 @@ class Model:
     settings: Mapping[str, Any]
     free: Mapping[str, Free]
     jobs: int = 1
+    executor: Executor | None = None
+
+    @property
+    def alone(self) -> Model:
+        """The same for a single process, which an executor may hand to another machine."""
+        return replace(self, jobs=1, executor=None)
 
     def rig(self, values: Values) -> Rig:
         """The rig with these values of the tuned quantities.

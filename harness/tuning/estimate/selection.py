@@ -10,15 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from harness.errors import EngineFailure
+from harness.jobs import gathered
 from harness.progress import Progress, silent
 from harness.tuning.estimate.fit import Fitted, Objective, deviance_of, fit
 from harness.tuning.estimate.free import LEVEL
-from harness.tuning.estimate.runs import Model
+from harness.tuning.estimate.runs import Model, known_positions
 from harness.tuning.estimate.windows import Stretch
 
 KEEP = 6.0
@@ -44,6 +46,8 @@ class Screened:
         gain: decrease of the deviance that a line from the default to the most promising one predicts.
         response: change of the whitened residuals at the most visible value, starts projected out, shape (readings,).
         at: that value.
+        failed: of the values tried, those with which the engine does not run through every window.
+        failure: how it fails with the first of these.
     """
 
     name: str
@@ -53,6 +57,8 @@ class Screened:
     gain: float
     response: FloatArray
     at: float
+    failed: tuple[float, ...] = ()
+    failure: EngineFailure | None = None
 
     @property
     def seen(self) -> bool:
@@ -120,16 +126,13 @@ def select(model: Model, windows: Sequence[Stretch], names: Sequence[str], progr
         asked = found.inflation * (KEEP + math.log(len(found.residual)))
         promising = [one for one in now.values() if one.seen and one.gain > _PROMISING * asked]
         promising = sorted(promising, key=lambda one: -one.gain)[:_FITTED]
-        fits: dict[str, Fitted] = {}
-        for one in promising:
-            if one.gain >= _SHARE * promising[0].gain:
-                progress(f"fit of {', '.join((*found.names, one.name))}")
-                fits |= _fit_with(model, windows, found, now[one.name], one.begin[:1])
+        worth = [one for one in promising if one.gain >= _SHARE * promising[0].gain]
+        fits = _fits_with(model, windows, found, [(one.name, one.begin[0]) for one in worth], progress)
         if not fits:
             break
         best = min(fits, key=lambda name: fits[name].deviance)
         if not fits[best].complete:
-            again = _fit_with(model, windows, found, now[best], now[best].begin[1:])
+            again = _fits_with(model, windows, found, [(best, value) for value in now[best].begin[1:]], progress)
             fits |= {name: made for name, made in again.items() if made.deviance < fits[name].deviance}
         decisions = [attempt(name, found, made, kept=name == best) for name, made in fits.items()]
         attempts += decisions
@@ -177,39 +180,75 @@ def screen(model: Model, windows: Sequence[Stretch], found: Fitted, names: Seque
     made = {}
     for name in names:
         each: list[tuple[float, float, float, FloatArray]] = []
+        failed = []
         for (one, value), run in zip(requests, runs, strict=True):
             if one != name:
                 continue
-            moved = np.concatenate([w.whitened(a - b) for w, a, b in zip(windows, run, here, strict=True)])
+            through = [bool(np.isfinite(known_positions(part)).all()) for part in run]
+            if not all(through):
+                failed.append(value)
+            if not any(through):
+                continue
+            moved = np.concatenate(
+                [w.whitened(a - b) * t for w, a, b, t in zip(windows, run, here, through, strict=True)]
+            )
             response = objective.projected(moved[:, None], slopes)[:, 0]
             beyond = response - basis @ (basis.T @ response)
             size = float(beyond @ beyond)
             share = min(max(float(projected @ beyond) / size, 0.0), 1.0) if size > 0.0 else 0.0
             gain = deviance_of(projected) - deviance_of(projected - share * beyond)
             each.append((gain, size, value, response))
+        tried = tuple(sorted(value for one, value in requests if one == name))
+        failure = model.failed(windows, {**found.values, name: failed[0]}, found.starts) if failed else None
         if not each:
+            if tried:
+                nothing = np.zeros(len(projected))
+                made[name] = Screened(name, 0.0, tried, (), 0.0, nothing, tried[0], tuple(failed), failure)
             continue
         ordered = sorted(each, key=lambda one: -one[0])
         plainest = max(each, key=lambda one: one[1])
         made[name] = Screened(
-            name, math.sqrt(plainest[1]), tuple(sorted(one[2] for one in each)),
-            tuple(one[2] for one in ordered[:_STARTS]), ordered[0][0], plainest[3], plainest[2],
+            name, math.sqrt(plainest[1]), tried, tuple(one[2] for one in ordered[:_STARTS]), ordered[0][0],
+            plainest[3], plainest[2], tuple(failed), failure,
         )  # fmt: skip
     return made
 
 
-def _fit_with(
-    model: Model, windows: Sequence[Stretch], found: Fitted, one: Screened, begin: Sequence[float]
+def _fits_with(
+    model: Model,
+    windows: Sequence[Stretch],
+    found: Fitted,
+    wanted: Sequence[tuple[str, float]],
+    progress: Progress,
 ) -> dict[str, Fitted]:
-    """The best fit with one parameter more over these starting points, by its name; none where the engine fails."""
-    fits = []
-    for value in begin:
-        try:
-            initial = {**found.values, one.name: value}
-            fits.append(fit(model, windows, [*found.free, model.free[one.name]], initial, found.starts))
-        except EngineFailure:
-            continue
-    return {one.name: min(fits, key=lambda each: each.deviance)} if fits else {}
+    """The best fit with one parameter more, by its name.
+
+    Args:
+        wanted: names, each with the value from which to begin; where the engine fails at the end of a fit, it is none.
+    """
+    if model.executor is None:
+        made = []
+        for name, value in wanted:
+            progress(f"fit of {', '.join((*found.names, name))}")
+            made.append(_fit_with(model, windows, found, name, value))
+    else:
+        progress(f"fits of {', '.join(dict.fromkeys(name for name, _ in wanted))}")
+        made = gathered(
+            model.executor, [partial(_fit_with, model.alone, windows, found, name, value) for name, value in wanted]
+        )
+    best: dict[str, Fitted] = {}
+    for (name, _), one in zip(wanted, made, strict=True):
+        if one is not None and (name not in best or one.deviance < best[name].deviance):
+            best[name] = one
+    return best
+
+
+def _fit_with(model: Model, windows: Sequence[Stretch], found: Fitted, name: str, value: float) -> Fitted | None:
+    """The fit with one parameter more from this value; `None` where the engine fails with what comes out."""
+    try:
+        return fit(model, windows, [*found.free, model.free[name]], {**found.values, name: value}, found.starts)
+    except EngineFailure:
+        return None
 
 
 def _without_idle(model: Model, windows: Sequence[Stretch], found: Fitted) -> tuple[Fitted, list[Attempt]]:

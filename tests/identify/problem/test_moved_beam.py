@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -54,3 +55,10 @@ def test_the_beam_is_tabulated_once_for_what_moves_it(
     for effects, table in ((of(LAG), lagging), (of(LATER), later), (of(LAG, DELAY), delayed)):
         alone = PreparedRecording(recording.name, recording.time, recording.reading, recording.drive)
         np.testing.assert_array_equal(alone.table_with(effects), table)
+
+
+def test_a_recording_travels_to_another_process_after_its_use(recording: PreparedRecording) -> None:
+    """Unpickle what was computed with, and compute the same."""
+    lagging = recording.table_with(of(LAG))
+    elsewhere = pickle.loads(pickle.dumps(recording))
+    np.testing.assert_array_equal(elsewhere.table_with(of(LAG)), lagging)
