@@ -136,7 +136,7 @@ def export_model(record: DiagnosisRecord, origin: str) -> ExportModel:
     keys = tuple((count + hypothesis.names.index(effect), name) for effect, name in shared)
     told = {one.name: one.parameters for one in record.effects}
     reach = {
-        key: TWO_SIDED * found.band * math.sqrt(max(covariance[i, i], 0.0)) if math.isfinite(covariance[i, i]) else None
+        key: TWO_SIDED * math.sqrt(max(covariance[i, i], 0.0)) if math.isfinite(covariance[i, i]) else None
         for i, key in enumerate(keys)
     }
     taken: set[str] = set()

@@ -58,7 +58,8 @@ class Fit:
             was behind that of the best candidate, or no candidate promised anything.
         estimator: of the parameters; process noise and deviance are those of the filter in any case.
         held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
-        band: factor by which errors of held-out blocks exceed the standard deviations that the filter foresees [1].
+        band: factor by which errors of held-out blocks exceed the standard deviations that filter and parameters have
+            [1].
         quiet_deviance: deviance of the same terms without process noise.
     """
 

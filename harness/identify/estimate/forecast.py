@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.estimate.own_values import estimates_own, own_deviations, own_of
 from harness.identify.filter.run import FilterRun, run_ahead, run_filter
@@ -84,29 +85,16 @@ def forecast(
     """
     own = own_of(problem, found, recording, reading)
     best = run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
-    variance = best.recorded_variance
-    count = len(found.theta)
-    if count:
-        scale = found.hypothesis.scale(problem)
-        root = _root(found.covariance / np.outer(scale, scale))
-        low, high = found.hypothesis.bounds(problem)
-        generator = np.random.default_rng(seed)
-        square = np.zeros(len(recording.time))
-        apart = own_deviations(problem, found, recording, reading, own)
-        for _ in range(_DRAWS):
-            theta = np.clip(found.theta + root @ generator.standard_normal(count), low, high)
-            at = found.hypothesis.terms(theta, problem)
-            each = Own(
-                generator.normal(own.phase, apart.phase),
-                {name: generator.normal(value, apart.values[name]) for name, value in own.values.items()},
-            )
-            drawn = run_filter(problem, recording, at, found.process_noise, own=each, reading=reading)
-            square += (drawn.recorded - best.recorded) ** 2
-        variance = variance + square / _DRAWS
+    apart = own_deviations(problem, found, recording, reading, own)
+    generator = np.random.default_rng(seed)
+    square, drawn = np.zeros(len(recording.time)), 0
+    for terms in drawn_terms(problem, found, _DRAWS, generator):
+        each = Own(
+            generator.normal(own.phase, apart.phase),
+            {name: generator.normal(value, apart.values[name]) for name, value in own.values.items()},
+        )
+        run = run_filter(problem, recording, terms, found.process_noise, own=each, reading=reading)
+        square += (run.recorded - best.recorded) ** 2
+        drawn += 1
+    variance = best.recorded_variance + square / max(drawn, 1)
     return Forecast(recording.time, best.recorded, found.band * np.sqrt(variance), best.state[:, :2])
-
-
-def _root(covariance: FloatArray) -> FloatArray:
-    """Symmetric root of a covariance; eigenvalues that rounding makes negative are set to zero."""
-    values, vectors = np.linalg.eigh(covariance)
-    return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T

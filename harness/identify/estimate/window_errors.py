@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import own_of
 from harness.identify.filter.run import FilterRun, Part, run_parts
@@ -15,6 +16,7 @@ from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
+_DRAWS = 24  # of the parameters: a standard deviation within 15 %, and that of a block's readings closer
 FARTHEST = 100.0  # of a prediction [m]
 DENSITIES = 10.0 ** np.arange(-8.0, -1.0)  # grid of the process noise [m²/s³]
 
@@ -29,15 +31,24 @@ def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> li
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
-    """Errors of the predicted parts of all windows over the standard deviations that the filter foresees [1]."""
-    ratios = []
-    runs = _runs(problem, found, windows, _own_of_windows(problem, found, windows))
-    for window, run in zip(windows, runs, strict=True):
-        error = (bounded(run.recorded) - window.reading) / np.sqrt(
-            np.nan_to_num(run.recorded_variance) + problem.reading_variance
-        )
-        ratios.append(error[window.judged])
-    return np.concatenate(ratios)
+    """Errors of the predicted parts of all windows over the standard deviations that a forecast foresees [1].
+
+    They are those of the filter, of the parameters and of a reading's noise, without the factor `Fit.band`, which
+    follows from these errors.
+    """
+    own = _own_of_windows(problem, found, windows)
+    runs = _runs(problem, found, windows, own)
+    variances = [np.nan_to_num(run.recorded_variance) + problem.reading_variance for run in runs]
+    for terms in drawn_terms(problem, found, _DRAWS, np.random.default_rng(0)):
+        drawn = _runs(problem, replace(found, terms=terms), windows, own)
+        for variance, one, other in zip(variances, drawn, runs, strict=True):
+            variance += (bounded(one.recorded) - bounded(other.recorded)) ** 2 / _DRAWS
+    return np.concatenate(
+        [
+            ((bounded(run.recorded) - window.reading) / np.sqrt(variance))[window.judged]
+            for window, run, variance in zip(windows, runs, variances, strict=True)
+        ]
+    )
 
 
 def _own_of_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Own | None]:

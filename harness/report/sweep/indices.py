@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.formatting import fixed
+from harness.formatting import fixed, listed
 from harness.report.chart import Chart, Panel, Trace
 from harness.report.page import Section
 from harness.report.palette import INK, Look, label_of, look_of
@@ -34,14 +34,26 @@ def section(subject: Subject) -> Section | None:
             "tables": tables(subject),
             "pictures": [_picture(subject, number, one) for number, one in enumerate(drawn[:_MOST_PICTURES])],
             "without": without(subject),
-            "dropped": [
-                f"{_title(subject, one)}: {one.dropped} of {one.base_samples} base samples left out, because a run "
-                "of theirs failed."
-                for one in drawn
-                if one.dropped
-            ],
+            "remarks": [remark for one in drawn for remark in _remarks(subject, one)],
         },
     )
+
+
+def _remarks(subject: Subject, one: Indices) -> list[str]:
+    """What to know of the indices of one output: samples left out, and values that no share of a variance has."""
+    made = []
+    if one.dropped:
+        made.append(
+            f"{_title(subject, one)}: {one.dropped} of {one.base_samples} base samples left out, because a run of "
+            "theirs failed."
+        )
+    beyond = [each.factor for each in one.factors if max(each.first, each.total) > 1.0]
+    if beyond:
+        made.append(
+            f"{_title(subject, one)}: an index of {listed([f'`{name}`' for name in beyond])} is above 1, which no "
+            f"share is: {one.base_samples} base samples leave it that uncertain; sweep more of them (`size`)."
+        )
+    return made
 
 
 def without(subject: Subject) -> list[str]:
@@ -77,8 +89,8 @@ def _title(subject: Subject, one: Indices) -> str:
         if one.output == MEASURED
         else "largest difference from CAM"
     )
-    listed = ", ".join(f"{name} = {subject.value(value)}" for name, value in one.listed.items())
-    return f"{label_of(one.source)}, {output}" + (f" ({listed})" if listed else "")
+    values = ", ".join(f"{name} = {subject.value(value)}" for name, value in one.listed.items())
+    return f"{label_of(one.source)}, {output}" + (f" ({values})" if values else "")
 
 
 def chart(subject: Subject, number: int, one: Indices) -> Chart:

@@ -11,6 +11,7 @@ import pytest
 from harness.identify.estimate import free_run_fit
 from harness.identify.estimate.cross_validation import cross_validated, widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator
+from harness.identify.estimate.forecast import forecast
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.refit import refit
 from harness.identify.estimate.window_errors import normalised_errors
@@ -102,6 +103,24 @@ def test_the_band_holds_held_out_readings(pair: Problem) -> None:
     errors = np.abs(normalised_errors(pair, found, windows_of(pair.recordings, 1.0))) / found.band
     # the same windows, predicted in sample: a little better than held out
     assert 0.93 < np.mean(errors < TWO_SIDED) < 0.99
+
+
+def test_errors_are_held_against_the_deviations_of_a_forecast(pair: Problem) -> None:
+    """Count what the covariance leaves open, which a forecast counts: otherwise the band would hold it twice."""
+    known = fit_free_runs(pair, PAIR, fitted_windows(pair.recordings)).fit
+    found = replace(known, covariance=1e5 * known.covariance)
+    window = windows_of(pair.recordings, 1.0)[0]
+    recording = window.recording
+    given = np.full_like(recording.reading, np.nan)
+    given[window.use] = np.where(window.known, window.reading, np.nan)
+    made = forecast(pair, found, recording, given)
+    deviation = np.sqrt(made.deviation[window.use] ** 2 + pair.reading_variance)[window.judged]
+    error = (made.position[window.use] - window.reading)[window.judged]
+    ratio = normalised_errors(pair, found, [window]) * deviation / error
+    # Standard deviations from 24 and 48 draws: their ratio is known within 3 √(1/48 + 1/96).
+    np.testing.assert_allclose(np.median(ratio), 1.0, atol=0.53)
+    sure = normalised_errors(pair, replace(found, covariance=np.zeros_like(found.covariance)), [window])
+    assert np.median(np.abs(sure * deviation / error)) > 2.0
 
 
 @pytest.mark.parametrize("blocks", [4, 8, 16])
