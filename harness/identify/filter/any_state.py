@@ -23,6 +23,7 @@ from harness.identify.filter.arguments import (
     Sensor,
     angle_nudge,
     lagging,
+    lagging_noise,
     position_of,
     rate_change,
     rate_noise,
@@ -37,7 +38,7 @@ from harness.signals.triangular_roots import root_of, triangular
 
 # Indices of e and of the coloured noise c in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, c).
 _ERROR, _COLOUR = 4, 7
-_SOURCES = 6  # of noise in a step: two numbers of process noise, three of the error's, one of the coloured noise
+_SOURCES = 7  # of noise in a step: process noise two, the error three, coloured noise and a lagging sensor one each
 
 
 @njit(cache=True, nogil=True)
@@ -116,6 +117,10 @@ def any_state(
                 root = math.sqrt(process_noise * dt)
                 M[i, size] = root * (dt / math.sqrt(3.0) if states[i] == 0 else math.sqrt(0.75) * driven)
                 M[i, size + 1] = 0.5 * root * driven
+            if lag > 0.0:
+                a, b, c = lagging_noise(dt, lag)
+                root = math.sqrt(process_noise)
+                M[0, size], M[0, size + 1], M[0, size + 6] = root * a, root * b, root * c
             for i in range(3):
                 moved[_ERROR + i] = 0.0
                 for j in range(3):

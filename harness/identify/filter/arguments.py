@@ -157,6 +157,37 @@ def lagging(y: float, before: float, s: float, h: float, lag: float) -> float:
     return follow + slope * h + (y - follow) * math.exp(-h / lag)
 
 
+@njit(cache=True)
+def lagging_noise(h: float, lag: float) -> tuple[float, float, float]:
+    """What white acceleration in a step of `h` [s] adds to the output y of a lagging sensor, T ẏ + y = s [m].
+
+    An acceleration of unit density at z before the step's end moves the velocity by 1, the position by z and the output
+    by g = z − T (1 − e^(−z/T)). The covariances follow from integrals of z g, g and g² over the step. Velocity and
+    position have (√¾, ½) √h and (h/√3, 0) √h of two independent variables; the output has these and one of its own.
+
+    Args:
+        lag: T [s].
+
+    Returns:
+        Factors of the three variables, of root density 1 [s^1.5].
+    """
+    x = h / lag
+    if x < 0.02:  # the closed forms cancel; leading terms, of what is small beside the position's by h/T
+        with_position, with_velocity, alone = h**3 * x / 8.0, h * h * x / 6.0, h**3 * x * x / 20.0
+    else:
+        kept = math.exp(-x)
+        first = lag * (1.0 - kept)  # ∫ e^(−z/T)
+        moment = lag * (first - kept * h)  # ∫ z e^(−z/T)
+        second = 0.5 * lag * (1.0 - kept * kept)  # ∫ e^(−2z/T)
+        with_position = h**3 / 3.0 - lag * (0.5 * h * h - moment)
+        with_velocity = 0.5 * h * h - lag * (h - first)
+        alone = h**3 / 3.0 - 2.0 * lag * (0.5 * h * h - moment) + lag * lag * (h - 2.0 * first + second)
+    root = math.sqrt(h)
+    a = math.sqrt(3.0) * with_position / (h * root)
+    b = 2.0 * (with_velocity / root - math.sqrt(0.75) * a)
+    return a, b, math.sqrt(max(alone - a * a - b * b, 0.0))
+
+
 @njit(cache=True, inline="always")
 def rate_change(A: FloatArray, e: float, rate: float, angular: float) -> float:
     """By how much the mean of ė changes over a step with the transition A of (e, ė, ë), shape (3, 3) [rad/s].

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.stats import chi2
 
 from analytic.effects import CATALOGUE, Acting, SensorLaw, acting
@@ -15,7 +16,15 @@ from analytic.kernel import Grid, integrate
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import fit
 from harness.identify.filter.any_state import any_state
-from harness.identify.filter.arguments import SPIKE, BeamTable, FilterOutput, Memory, Readings, Sensor
+from harness.identify.filter.arguments import (
+    SPIKE,
+    BeamTable,
+    FilterOutput,
+    Memory,
+    Readings,
+    Sensor,
+    lagging_noise,
+)
 from harness.identify.filter.ekf import extended_kalman_filter, penalty
 from harness.identify.filter.run import deviance, dynamics, run_filter
 from harness.identify.filter.usual_state import usual_state
@@ -156,6 +165,41 @@ def test_an_effect_of_no_size_explains_nothing(
 
     # Points wherever the ball is, or near its stops only: by less than a fit is exact to.
     assert found(effects | idle) == pytest.approx(found(effects), abs=plain.problem.settings.converged)
+
+
+@pytest.mark.parametrize("process_noise", [1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize("name", ["position_lag", "presliding_hysteresis", "angle_lag", "linkage_backlash"])
+def test_an_effect_of_no_size_explains_nothing_beside_much_that_is_unexplained(
+    plain: Posed, name: str, process_noise: float
+) -> None:
+    """Give the same likelihood at any process noise with a state more that does nothing."""
+
+    def found(acts: tuple[Acting, ...]) -> float:
+        return deviance(replace(plain.problem, declared=()), Terms((), acts, np.zeros(0), None), process_noise)
+
+    values = {one.name: one.typical for one in CATALOGUE[name].parameters}
+    main = CATALOGUE[name].parameters[0]
+    idle = acting(name, values | {main.name: 1e-9 * main.typical})
+    assert found((idle,)) == pytest.approx(found(()), abs=plain.problem.settings.converged)
+
+
+@pytest.mark.parametrize("lag", [1e-12, 1e-3, 0.4, 0.6, 30.0])
+def test_process_noise_reaches_the_output_of_a_lagging_sensor(lag: float) -> None:
+    """Add in a step of 10 ms what integrals over its accelerations give, for lags short and long beside it."""
+    step = 0.01
+    a, b, c = lagging_noise(step, lag)
+
+    def output(z: float) -> float:
+        return z + lag * math.expm1(-z / lag)
+
+    integrals = [
+        quad(function, 0.0, step, epsabs=0.0, epsrel=1e-10)[0]
+        for function in (lambda z: z * output(z), output, lambda z: output(z) ** 2)
+    ]
+    position, velocity = (step * math.sqrt(step / 3.0), 0.0), (math.sqrt(0.75 * step), 0.5 * math.sqrt(step))
+    made = [a * position[0], a * velocity[0] + b * velocity[1], a * a + b * b + c * c]
+    # Below h/T = 0.02 leading terms stand for series whose next terms are smaller by 0.3 h/T at most.
+    np.testing.assert_allclose(made, integrals, rtol=0.01 if step / lag < 0.02 else 1e-6)
 
 
 def test_spikes_weigh_little() -> None:
