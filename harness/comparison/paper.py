@@ -214,7 +214,7 @@ def _squared(value: float, significant: int) -> str:
 
 
 def _best(combinations: Combinations, *, eccentric: bool) -> Combination:
-    among = (one for one in combinations.values() if one.eccentric is eccentric and one.radius == "r" and one.level)
+    among = (one for one in combinations.values() if one.eccentric is eccentric and one.level)
     return min(among, key=lambda one: one.rms_error)
 
 

@@ -171,8 +171,8 @@ def _uncertainty(facts: Facts) -> str:
         )
     known = f" beyond the declared {_list(facts.declared)}" if facts.declared else ""
     return (
-        f"Its error is {ratio} times {floor}: the models lack physics{known}; `harness diagnose "
-        f"{facts.case}` identifies it."
+        f"Instant by instant its error is {ratio} times (RMS) {floor}: the models lack physics{known}; "
+        f"`harness diagnose {facts.case}` identifies it."
     )
 
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.style import context
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
@@ -28,6 +28,7 @@ _MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
 _WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
+_TICKS = 4  # steps between ticks of an axis that is one of three side by side
 _USE = "Drag to zoom, with Shift to move; Ctrl and wheel, the buttons or + − ← → 0 do the same."
 _LINKED = "A click sets the instant of all that shows the same time."
 _POINTS = "The point nearest to the mouse says what it is; ‹ and › go from point to point."
@@ -194,6 +195,7 @@ def against_state(
     names = ("position $s$ [m]", r"velocity $\dot s$ [m/s]", r"beam angle $\alpha$ [deg]")
     for axes, name, x in zip(row, names, (position, velocity, np.degrees(angle)), strict=True):
         axes.set_xlabel(name)
+        axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
         yield axes, x
 
 

@@ -132,3 +132,8 @@ def test_no_finite_motion_at_all():
     """Report that all sources diverge."""
     answer = sentences(replace(FACTS, standings=[replace(BEST, rms=np.inf)]))
     assert answer[0] == "All sources diverge over windows of 2 s."
+
+
+def test_the_ratio_to_the_uncertainty_is_told_as_that_of_single_instants():
+    """Not call it the quotient of the two RMS values beside it, which it is not."""
+    assert "Instant by instant its error is 5.4 times (RMS) the uncertainty of angle, start and sensor" in said()

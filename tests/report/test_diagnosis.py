@@ -284,6 +284,7 @@ def test_the_nearest_rival_of_a_spline_term_is_another_spline_term(diagnosis, ca
     tried = (
         line(Rule.SPLINE, (), found, base, kept=True),
         line(Rule.SPLINE, (), other, base),
+        line(Rule.SPLINE, (), finer, base),
         line(Rule.REFINE, (), finer, found),
     )
     ledger = (*diagnosis.ledger, *tried)

@@ -1,6 +1,6 @@
 """Section on the proposed next experiment: beam motion, expected discrimination, assumed limits of the rig."""
 
-from harness.formatting import brief, fixed, length
+from harness.formatting import NONE, brief, fixed, length
 from harness.identify.design.proposal import FILE, NOTHING, Proposal, sentence
 from harness.report.diagnosis.account import FOUND, Account
 from harness.report.page import Section
@@ -35,7 +35,7 @@ def _separations(proposal: Proposal) -> Table:
             f"`{one.found}`",
             *(() if reveals else (f"`{one.rival}`", fixed(one.at_hand, 1))),
             fixed(one.expected, 1),
-            fixed(one.needed, 1),
+            fixed(one.needed, 1) if one.needed > 0.0 else NONE,
             "yes" if one.told else "no",
         )
         for one in ordered

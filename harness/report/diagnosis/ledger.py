@@ -53,14 +53,21 @@ def _of_spline(account: Account) -> list[Table]:
     """Other spline terms, and effects of the catalogue where the spline term stands now."""
     ledger = account.diagnosis.ledger
     splines = [one for one in ledger if one.rule is Rule.SPLINE]
+    others = [one for one in splines if _differs(account, one)]
     before = {one.beside for one in splines}
     effects = [one for one in ledger if one.beside in before and one.fit.hypothesis.spline is None]
     beside = ", ".join(f"`{name}`" for name in sorted({name for one in before for name in one}))
     ending = f", in addition to {beside}" if beside else ""
     return [
-        _table(account, f"Another spline term in its place{ending}", [one for one in splines if not one.kept]),
+        _table(account, f"Another spline term in its place{ending}", others),
         _table(account, f"An effect of the catalogue in its place{ending}", effects),
     ]
+
+
+def _differs(account: Account, one: Line) -> bool:
+    """Whether a spline term is of another kind than the one found, which may have more or fewer nodes."""
+    ours, theirs = account.diagnosis.found.hypothesis.spline, one.fit.hypothesis.spline
+    return not one.kept and (ours is None or theirs is None or ours.kind != theirs.kind)
 
 
 def _table(account: Account, caption: str, others: list[Line]) -> Table:

@@ -1,5 +1,6 @@
 """First section: the verdict in a sentence, the effects found, and predictions without and with them."""
 
+import math
 from dataclasses import astuple
 
 import numpy as np
@@ -69,14 +70,15 @@ def _nearest(account: Account) -> str:
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
     if found.estimator is Estimator.FREE_RUNS:
         return "chosen by held-out errors, which the ledger lists: likelihoods of fits to free runs are not compared"
-    spline = found.hypothesis.spline is not None
 
     def other(one: Line) -> bool:
-        """Not the same spline term with more nodes, or with an effect that it contains."""
-        theirs = one.fit.hypothesis
-        if one.kept or (theirs.spline is not None) != spline or one.rule in (Rule.REFINE, Rule.ABSORB):
+        """Not the same spline term with more or fewer nodes, or with an effect that it contains."""
+        ours, theirs = found.hypothesis, one.fit.hypothesis
+        if one.kept or one.rule in (Rule.REFINE, Rule.ABSORB):
             return False
-        return spline or (len(theirs.names) == len(found.hypothesis.names) and theirs != found.hypothesis)
+        if ours.spline is None or theirs.spline is None:
+            return ours.spline is theirs.spline and len(theirs.names) == len(ours.names) and theirs != ours
+        return theirs.spline.kind != ours.spline.kind
 
     others = [one for one in account.diagnosis.ledger if other(one)]
     if not others:
@@ -98,9 +100,13 @@ def _independence(account: Account) -> str:
 
 
 def _found(account: Account) -> Table:
-    rows = []
+    rows, settings = [], account.diagnosis.problem.settings
+    if account.diagnosis.found.estimator is Estimator.FREE_RUNS:
+        within = f"{100.0 * math.expm1(settings.held_out_rival):.0f} % of the held-out error"
+    else:
+        within = f"{settings.rival:g} in BIC"
     for one in account.diagnosis.effects:
-        rivals = ", ".join(one.indistinguishable_from) or "nothing: no rival comes close"
+        rivals = ", ".join(one.indistinguishable_from) or f"nothing within {within}"
         for key, estimate in (*one.parameters.items(), *one.by_recording.items()):
             value, low, high, unit = astuple(estimate)
             first = key == next(iter(one.parameters))
