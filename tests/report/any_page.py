@@ -238,6 +238,8 @@ class AnyPage:
                 )
                 assert far <= width
                 assert style == "auto"
+            for text in driver.find_elements("css selector", "caption > span"):
+                assert driver.execute_script("return arguments[0].getBoundingClientRect().right", text) <= width
 
     def test_paper_shows_the_still_pictures(self, driver):
         """Print every plot as a still picture on light ground, and neither controls nor replay."""
