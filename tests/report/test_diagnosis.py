@@ -165,7 +165,8 @@ def test_errors_stand_by_source_and_horizon(html):
     """Print CAM and both engines before and after, a dash and the message where one failed, and where effects enter."""
     part = html[html.index('id="errors"') :]
     tables = [
-        part[part.index(f"<caption><span>{name}") :].split("</table>")[0] for name in ("Held out", "Identification", "Also")
+        part[part.index(f"<caption><span>{name}") :].split("</table>")[0]
+        for name in ("Held out", "Identification", "Also")
     ]
     for table in tables[:2]:
         heads = re.findall(r"<th scope=\"col\".*?>(.*?)</th>", table)

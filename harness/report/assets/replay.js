@@ -82,7 +82,8 @@
           change: () => report.sources.turn(one.key, box.checked),
         });
         const value = make("span", { class: "value" });
-        const swatch = make("span", { class: "key ball", style: `--colour:${report.theme.ink(one.colour)}` });
+        const filled = one.key === this.data.reference ? " filled" : "";
+        const swatch = make("span", { class: `key ball${filled}`, style: `--colour:${report.theme.ink(one.colour)}` });
         this.list.append(make("li", {}, make("label", {}, box, swatch, one.label), value));
         return { one, box, value };
       });

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from harness.formatting import NONE, brief, length, listed
+from harness.formatting import NONE, brief, listed, number
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
-from harness.report.tables import Row, Table, texts
+from harness.report.tables import Column, Row, Table, texts
 
 TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
@@ -65,17 +65,20 @@ def _all_but(names: Sequence[str]) -> str:
 
 
 def _table(compared: BaselineComparison) -> Table:
+    """One row a source, all lengths in the same unit."""
+
+    def mm(value: float) -> str:
+        return number(1e3 * value, 3)
+
     rows = []
     for name, errors in compared.errors.items():
         margin = compared.margin(name) if name in BASELINES else None
-        judged = (NONE, NONE)
-        if margin is not None:
-            judged = length(margin.value), f"{length(margin.low)} … {length(margin.high)}"
+        judged = (NONE, NONE) if margin is None else (mm(margin.value), f"{mm(margin.low)} … {mm(margin.high)}")
         won = f"{compared.won(name)} of {compared.blocks}" if name in BASELINES else NONE
-        row = (TITLES[name], length(compared.rms(name)), length(float(np.median(errors))), *judged, won)
+        row = (TITLES[name], mm(compared.rms(name)), mm(float(np.median(errors))), *judged, won)
         rows.append(Row(row, "best" if name == min(compared.errors, key=compared.rms) else ""))
     columns = [
-        *texts("model"), "RMS error", "median of blocks", "improvement by the model", "95 % interval",
-        "blocks with smaller error",
+        *texts("model"), Column("RMS error", "mm"), Column("median of blocks", "mm"),
+        Column("improvement by the model", "mm"), Column("95 % interval", "mm"), "blocks with smaller error",
     ]  # fmt: skip
     return Table("Held-out predictions", columns, rows)

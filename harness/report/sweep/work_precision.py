@@ -67,7 +67,7 @@ def table(results: Results, *, marked: bool = False) -> Table | None:
         Column("times the fastest", "1"),
         Column("to CAM", "median", hint="largest difference from CAM in a run"),
         Column("to CAM", "largest"),
-        Column("measured", "median", hint="RMS error against the recorded positions"),
+        Column("to the recording", "median", hint="RMS error against the recorded positions"),
         "runs",
         "failed",
     ]
