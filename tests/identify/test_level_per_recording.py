@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,12 +11,16 @@ import pytest
 
 from analytic.effects import CATALOGUE
 from harness.errors import InputError
+from harness.identify.estimate.cross_validation import cross_validated, fit_without
+from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.forecast import forecast
+from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.own_values import own_deviations, own_of
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.identify.problem.windows import blocks_of, fitted_windows
 from harness.identify.record import EffectRecord
 from harness.identify.selection.candidates import candidates
 from harness.identify.selection.search import Selection
@@ -146,3 +151,14 @@ def test_it_cannot_be_declared(case: Case) -> None:
     with pytest.raises(InputError, match="in each recording and cannot be declared"):
         declared_effects(replace(case, declared=(declared,)))
     assert CATALOGUE[NAME].by_recording is not None
+
+
+def test_held_out_blocks_are_foreseen_by_fits_to_fewer_recordings(problem: Problem) -> None:
+    """Draw the parameters of a fit that has levels of some recordings alone, and calibrate the band by its errors."""
+    whole = fit_free_runs(problem, Hypothesis((NAME,)), fitted_windows(problem.recordings)).fit
+    found = cross_validated(problem, whole)
+    assert 0.0 < found.band < math.inf
+    part = fit_without(problem, whole, blocks_of(problem.recordings)[0].fitted)
+    assert len(part.terms.recordings) < len(problem.recordings)
+    drawn = list(drawn_terms(problem, part, 3, np.random.default_rng(0)))
+    assert [one.recordings for one in drawn] == 3 * [part.terms.recordings]

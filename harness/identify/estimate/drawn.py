@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.random import Generator
@@ -21,6 +22,9 @@ def drawn_terms(problem: Problem, found: Fit, draws: int, generator: Generator) 
     count = len(found.theta)
     if not count or not np.all(np.isfinite(found.covariance)):
         return
+    if len(problem.recordings) > len(found.terms.recordings):  # of a part of them, as where blocks are held out
+        fitted = tuple(one for one in problem.recordings if one.name in found.terms.recordings)
+        problem = replace(problem, recordings=fitted)
     scale = found.hypothesis.scale(problem)
     root = _root(found.covariance / np.outer(scale, scale))
     low, high = found.hypothesis.bounds(problem)
