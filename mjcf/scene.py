@@ -121,6 +121,7 @@ def make_scene(
     option: Attributes | None = None,
     pair: Attributes | None = None,
     driven: bool = False,
+    start: float = BALL_START,
 ) -> str:
     """MJCF of the rig, world and beam frames as in `analytic.geometry`.
 
@@ -132,6 +133,7 @@ def make_scene(
         driven: the scene used by `harness.engines.mujoco`: no visuals, an actuator for the beam's angular acceleration
             [rad/s²], and a sensor of each contact. Otherwise a scene for the viewer, with a servo for the beam angle
             [rad], a stand, and end stops.
+        start: where the ball lies [m].
     """
     channel = channel or channel_of(rig)
     # g sin(α + α₀) along e_s and −g cos(α + α₀) along e_n
@@ -153,7 +155,9 @@ def make_scene(
             # only the explicit pairs below collide
             _tag("geom", {"contype": 0, "conaffinity": 0} | ({} if driven else {"material": "aluminium"})),
         ),
-        _block("worldbody", "" if driven else _stand(channel), _beam(channel, driven), _ball(rig, channel, driven)),
+        _block(
+            "worldbody", "" if driven else _stand(channel), _beam(channel, driven), _ball(rig, channel, driven, start)
+        ),
         _block("contact", *pairs),
         _block("actuator", _tag("motor", {"name": "turn", "joint": "pivot", "gear": ARMATURE}) if driven else _servo()),
         _block("sensor", *map(_contact_sensor, carrying)) if driven else "",
@@ -262,11 +266,11 @@ def _fittings(channel: Channel) -> list[str]:
     return [*stops, *brackets, axle]
 
 
-def _ball(rig: Rig, channel: Channel, driven: bool) -> str:
+def _ball(rig: Rig, channel: Channel, driven: bool, start: float) -> str:
     """The ball with its declared inertia, not necessarily that of a homogeneous sphere."""
     looks = {} if driven else {"material": "steel"}
     return _block(
-        f'body name="ball" pos="{_text((BALL_START, 0.0, channel.ball_height))}"',
+        f'body name="ball" pos="{_text((start, 0.0, channel.ball_height))}"',
         _tag("freejoint", {"name": "ball"}),
         _tag("inertial", {"pos": (0, 0, 0), "mass": rig.mass, "diaginertia": (rig.inertia,) * 3}),
         _tag("geom", {"name": "ball", "type": "sphere", "size": channel.ball_radius, **looks}),

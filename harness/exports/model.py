@@ -15,7 +15,7 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.model_file import read_terms
-from harness.identify.problem.spline_term import SplineTerm
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.record import DiagnosisRecord
 
 LONGEST_STEP = 1e-2  # of the integration in exported code, that of `harness predict` [s]
@@ -73,6 +73,8 @@ class ExportModel:
         theta, covariance: of the parameters found, in their units, shape (k,) and (k, k).
         keys: (number of the effect in `effects`, parameter) of the first of `theta`; what follows are own values of the
             recordings, and nodes.
+        visited: lowest and highest position of the recordings that the diagnosis tells, but for outliers [m]; `None`
+            if it tells none.
     """
 
     origin: str
@@ -83,6 +85,7 @@ class ExportModel:
     theta: FloatArray
     covariance: FloatArray
     keys: tuple[tuple[int, str], ...]
+    visited: tuple[float, float] | None = None
 
     @cached_property
     def acting(self) -> tuple[Acting, ...]:
@@ -150,7 +153,18 @@ def export_model(record: DiagnosisRecord, origin: str) -> ExportModel:
             elif half is not None:
                 intervals[name] = value - half, value + half
         effects.append(_exported(one, intervals, taken, found=number >= count))
-    return ExportModel(origin, record.sentence, problem.rig, tuple(effects), terms.spline, theta, covariance, keys)
+    visited = _visited(record, terms.spline)
+    return ExportModel(
+        origin, record.sentence, problem.rig, tuple(effects), terms.spline, theta, covariance, keys, visited
+    )
+
+
+def _visited(record: DiagnosisRecord, spline: SplineTerm | None) -> tuple[float, float] | None:
+    """Range of the recorded positions [m]: of a proposed experiment, which stays within it, and of a law over it."""
+    known = [] if record.next_experiment is None else [record.next_experiment.limits.ball_position_m]
+    if spline is not None and spline.depends is Regressor.POSITION and not spline.closed:
+        known.append((float(spline.places[0]), float(spline.places[-1])))
+    return (min(low for low, _ in known), max(high for _, high in known)) if known else None
 
 
 def of_effects(rig: Rig, effects: Sequence[Acting], spline: SplineTerm | None = None) -> ExportModel:

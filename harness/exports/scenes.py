@@ -8,6 +8,7 @@ from analytic.geometry import channel_of
 from analytic.rig import Rig
 from harness.engines.injection import engine_settings
 from harness.engines.mujoco_parameters import MuJoCoParameters
+from harness.exports.beam import channel_in, start_of
 from harness.exports.carried import levels, scene_effects
 from harness.exports.model import ExportModel
 from harness.exports.source import render
@@ -35,10 +36,15 @@ def mjcf_files(model: ExportModel) -> dict[str, str]:
     """Text by name of the scene for MuJoCo, its viewer included: a servo turns the beam, stops end the track."""
     rig = scene_rig(model, slips=True)
     settings = engine_settings(scene_effects(model, slips=True), "mujoco")
-    if not settings:
-        return {MJCF_FILE: make_scene(rig)}
-    contact = MuJoCoParameters(**settings)
-    return {MJCF_FILE: make_scene(rig, option=contact.option(rig), pair=contact.pair(rig))}
+    contact = MuJoCoParameters(**settings) if settings else None
+    scene = make_scene(
+        rig,
+        channel=channel_in(model, rig),
+        option=None if contact is None else contact.option(rig),
+        pair=None if contact is None else contact.pair(rig),
+        start=start_of(model),
+    )
+    return {MJCF_FILE: scene}
 
 
 def urdf_files(model: ExportModel) -> dict[str, str]:
@@ -53,6 +59,7 @@ def urdf_files(model: ExportModel) -> dict[str, str]:
             "gravity": gravity,
             "iterations": _iterations(rig),
             "height": rig.eccentricity + rig.rolling_radius,
+            "start": start_of(model),
         },
     )
-    return {BEAM_FILE: beam_urdf(rig), BALL_FILE: ball_urdf(rig), LOADER_FILE: loader}
+    return {BEAM_FILE: beam_urdf(rig, channel_in(model, rig)), BALL_FILE: ball_urdf(rig), LOADER_FILE: loader}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import mujoco
 import numpy as np
@@ -16,6 +18,7 @@ from analytic.quintic import QuinticMotion
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of
 from harness.engines.injection import engine_settings, force_of
+from harness.exports.beam import beam_range, beam_told
 from harness.exports.carried import in_scene, scene_effects
 from harness.exports.model import of_effects
 from harness.exports.scenes import BALL_FILE, BEAM_FILE, LOADER_FILE, MJCF_FILE, mjcf_files, scene_rig, urdf_files
@@ -47,6 +50,18 @@ def injected(engine: str, effects: tuple[Acting, ...], start: float) -> FloatArr
     ).trajectory.position
 
 
+def loaded_loader(files: dict[str, str], folder: Path) -> ModuleType:
+    """The exported loader, beside its files in `folder`."""
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("exported_loader", folder / LOADER_FILE)
+    assert spec is not None
+    assert spec.loader is not None
+    loader = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loader)
+    return loader
+
+
 def tolerance(moved: FloatArray) -> float:
     """By which a run from rest may differ.
 
@@ -75,13 +90,7 @@ def test_mjcf_moves_the_ball_as_the_injected_effects(which: str) -> None:
 def test_urdf_moves_the_ball_as_the_injected_effects(which: str, tmp_path: Path) -> None:
     """Load the files by the loader beside them, and compare a run on the level beam with our engine's."""
     model = of_effects(RIG, SETS[which])
-    for name, text in urdf_files(model).items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    spec = importlib.util.spec_from_file_location("exported_loader", tmp_path / LOADER_FILE)
-    assert spec is not None
-    assert spec.loader is not None
-    loader = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(loader)
+    loader = loaded_loader(urdf_files(model), tmp_path)
     client = pybullet.connect(pybullet.DIRECT)
     try:
         _, ball = loader.load(client, BALL_START)
@@ -107,6 +116,44 @@ def test_no_effect_is_dropped_silently(name: str) -> None:
         differs = files(model) != files(bare)
         # The mean of levels that differ between recordings is 0 until the user writes one in.
         assert differs == (told.carried and name != "level_per_recording")
+
+
+@pytest.mark.parametrize(
+    ("visited", "reach", "start"),
+    [
+        (None, (-0.65, 0.65), BALL_START),
+        ((-0.38, 0.1), (-0.86, 0.58), -0.14),
+        ((0.2, 0.45), (-0.05, 0.7), BALL_START),
+        ((0.3, 0.3), (-0.05, 0.35), 0.3),
+    ],
+)
+def test_beam_carries_the_ball_where_it_was_recorded(
+    visited: tuple[float, float] | None, reach: tuple[float, float], start: float, tmp_path: Path
+) -> None:
+    """Let the ball lie at both ends of what was recorded, and begin on the beam, in MuJoCo and PyBullet."""
+    model = replace(of_effects(RIG, []), visited=visited)
+    assert beam_range(model) == pytest.approx(reach)
+    assert f"from {reach[0]:.2f} to {reach[1]:.2f} m" in beam_told(model)
+    loaded = mujoco.MjModel.from_xml_string(mjcf_files(model)[MJCF_FILE])
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        for at in (start, *(visited or reach)):
+            at = min(max(at, reach[0] + 0.02), reach[1] - 0.02)
+            data = mujoco.MjData(loaded)
+            assert data.qpos[1] == start
+            data.qpos[1] = at
+            mujoco.mj_step(loaded, data, 100)
+            assert data.qpos[3] == pytest.approx(RIG.eccentricity + RIG.rolling_radius, abs=1e-4)
+            pybullet.resetSimulation(client)
+            loader = loaded_loader(urdf_files(model), tmp_path)
+            _, ball = loader.load(client, at)
+            for _ in range(100):
+                pybullet.stepSimulation(client)
+            height = pybullet.getBasePositionAndOrientation(ball, client)[0][2]
+            assert height == pytest.approx(RIG.eccentricity + RIG.rolling_radius, abs=1e-4)
+            assert loader.load.__defaults__ == (start,)
+    finally:
+        pybullet.disconnect(client)
 
 
 def test_level_is_in_the_gravity() -> None:
