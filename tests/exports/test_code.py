@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +15,7 @@ from analytic.models import CAM
 from analytic.slots import ORIGIN
 from harness.errors import InputError
 from harness.exports.code_files import c_files, python_files
-from harness.exports.model import of_effects
+from harness.exports.model import LONGEST_STEP, of_effects
 from harness.identify.problem.spline_term import KINDS, SplineTerm
 from tests.exports.exported import EACH, RIG, InC, effect, in_python, motion, ours
 
@@ -77,7 +79,6 @@ def test_spline_terms_equal_our_own(term: SplineTerm, tmp_path: Path) -> None:
     """Run each kind of spline term, in force, in friction and in the sensor, over four seconds."""
     from analytic.effects import motion_with
     from analytic.kernel import Grid
-    from harness.exports.model import LONGEST_STEP
     from harness.identify.filter.arguments import BeamTable
     from harness.identify.filter.free_run import free_runs
 
@@ -133,6 +134,100 @@ def test_angles_alone_are_enough(tmp_path: Path) -> None:
     # A cubic over ±0.1 s smooths a sine of 9 rad/s by (9·0.1)⁴ · 3/280, 0.7 %, of an amplitude that moves the ball by
     # K g 0.015/81 = 1 mm: well below 1 mm in 4 s.
     assert np.abs(np.array(run) - ours(RIG, [], beam, S0)).max() < 1e-3
+
+
+ROWS = "0,0.01\n0.01,0.011\n0.02,0.012\n"
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory: pytest.TempPathFactory) -> list[list[str]]:
+    """The exported example, compiled and in Python, of a rig without effects."""
+    folder, model = tmp_path_factory.mktemp("programs"), of_effects(RIG, [])
+    return [[str(InC(model, folder).program)], [sys.executable, str(in_python(model, folder).__file__)]]
+
+
+def printed(command: list[str], text: str, *start: str) -> tuple[int, str, str]:
+    """Exit code and what an example prints of rows."""
+    done = subprocess.run([*command, *(start or ("0.3",))], input=text.encode(), capture_output=True, check=False)
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\ufeff" + ROWS,
+        "\ufefftime_s,angle_rad\n" + ROWS,
+        ROWS + "\n \n\n",
+        ROWS.replace("\n", "\r\n"),
+        ROWS.replace(",", " , "),
+        "\n" + ROWS,
+    ],
+)
+def test_rows_that_other_programs_write_are_taken(programs: list[list[str]], text: str) -> None:
+    """Skip a byte order mark, a header and blank lines at the end, alike in C and Python."""
+    for command in programs:
+        assert printed(command, text) == printed(command, ROWS)
+    assert printed(programs[0], ROWS) == printed(programs[1], ROWS)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (ROWS + "0.03,0.01,3\n", 4),
+        (ROWS + "0.03,0.01x\n", 4),
+        (ROWS + "0.03,0.01 0.02\n", 4),
+        (ROWS + "0.03,nan\n", 4),
+        (ROWS + "0.03,0x1\n", 4),
+        (ROWS + "0.03,1_0\n", 4),
+        (ROWS + "0.03,1e999\n", 4),
+        (ROWS + "0.03,\n", 4),
+        (ROWS + "\n0.03,0.01\n", 4),
+        ("0,0,0,0,0\n" * 2, 1),
+        ("0,0,1\n" * 2, 1),
+        ("0,0,0,0\n1,0\n", 2),
+        ("0,zero\n" + ROWS, 1),
+    ],
+)
+def test_rows_that_are_none_are_refused_by_line(programs: list[list[str]], text: str, line: int) -> None:
+    """End with exit code 2 and the line, alike in C and Python."""
+    for command in programs:
+        code, out, told = printed(command, text)
+        assert (code, out) == (2, "")
+        assert told.startswith(f"line {line}: give time_s,angle_rad or these and rate_rad_s")
+
+
+@pytest.mark.parametrize("wrong", ["0.3m", "nan", "inf", "0,3", "", "0x1"])
+def test_a_start_that_is_no_number_is_refused(programs: list[list[str]], wrong: str) -> None:
+    """End with exit code 2, alike in C and Python."""
+    for command in programs:
+        assert printed(command, ROWS, "0.3", wrong) == (2, "", f"{wrong} is not a finite number\n")
+
+
+def test_rows_too_far_apart_are_refused(programs: list[list[str]]) -> None:
+    """Take the same longest gap in C and Python, 2048 steps."""
+    for command in programs:
+        assert printed(command, f"0,0,0,0\n{2048 * LONGEST_STEP},0,0,0\n", "0")[0] == 0
+        code, _, told = printed(command, f"0,0,0,0\n{2048 * LONGEST_STEP + 0.1},0,0,0\n", "0")
+        assert code == 2
+        assert "too far apart" in told
+
+
+def test_what_a_late_angle_leaves_unknown_is_blank(tmp_path: Path) -> None:
+    """Leave positions blank that need angles after the last row, and print the others as our own law has them."""
+    late = acting("channel_delay", {"delay": -0.035})
+    model, beam = of_effects(RIG, [late]), motion(1.0)
+    time, states = beam.time.tolist(), [tuple(one) for one in beam.states.tolist()]
+    told = np.array(in_python(model, tmp_path).run(time, states, S0))
+    blank = beam.time + 0.035 > beam.time[-1]
+    assert blank.sum() == 4
+    assert np.array_equal(np.isnan(told), blank)
+    expected = SensorLaw(delay=-0.035).recorded(beam.time, ours(RIG, [], beam, S0))
+    known = np.flatnonzero(~blank)[:-1]  # in the last interval a cubic has one neighbour only
+    np.testing.assert_allclose(told[known], expected[known], atol=1e-8 * 30)
+    rows = "\n".join(",".join(f"{one:.17g}" for one in row) for row in np.column_stack((beam.time, beam.states)))
+    compiled = printed([str(InC(model, tmp_path).program)], rows)
+    assert compiled == printed([sys.executable, str(tmp_path / "ball_beam.py")], rows)
+    assert [line.endswith(",") for line in compiled[1].splitlines()[1:]] == blank.tolist()
 
 
 def test_a_law_of_the_users_own_is_refused() -> None:
