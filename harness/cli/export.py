@@ -41,7 +41,7 @@ class PointType(click.ParamType):
     help="Format: co-simulation FMU; scene for MuJoCo or as URDF; source code; linear model.",
 )
 @click.option("--out", type=PathType(), help="Folder to write into [default: export_<format> beside the diagnosis].")
-@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of FMI, for fmu alone [default: 2].")
 @click.option("--at", type=PointType(), help="Operating point of statespace [default: position=0,angle=0].")
 @click.option(
     "--pade",
@@ -55,7 +55,7 @@ class PointType(click.ParamType):
 )
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON on stdout.")
 @quiet_option
-def export(diagnosis: Path, to: Any, fmi: str, as_json: bool, **options: Any) -> None:
+def export(diagnosis: Path, to: Any, fmi: str | None, as_json: bool, **options: Any) -> None:
     """Take the identified model away: as an FMU, a scene, source code, or a linear model.
 
     DIAGNOSIS is a diagnosis.json or the folder it is in. README.txt beside the files tells of every effect whether they
@@ -70,7 +70,7 @@ def export(diagnosis: Path, to: Any, fmi: str, as_json: bool, **options: Any) ->
     from harness.api.export import export as write
     from harness.api.outputs import to_json
 
-    made = write(diagnosis, to, fmi=3 if fmi == "3" else 2, **options)
+    made = write(diagnosis, to, fmi={"2": 2, "3": 3, None: None}[fmi], **options)
     if not made.diagnosis_intact:
         text = "has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what differs"
         click.echo(f"warning: {made.model.origin}: {text}", err=True)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analytic.effects import Acting, Effect
+from analytic.effects import Acting, Effect, sensor_with
 from harness.exports.model import Exported, ExportModel
+from harness.identify.problem.spline_term import Regressor, SplineTerm
+
+_CODE = ("c", "python", "fmu")
+_UNLISTED = "a law that no catalogue lists"
 
 
 @dataclass(frozen=True)
@@ -25,9 +29,14 @@ class Carried:
     parts: tuple[str, ...]
 
 
-def in_source(model: ExportModel) -> list[Carried]:
-    """All effects, as source code has them: each one."""
-    return [Carried(one.acting.effect.name, True, _in_source(one), told(one)) for one in model.effects]
+def in_source(model: ExportModel, to: str) -> list[Carried]:
+    """All effects, as source code has them: each one, but an FMU no negative delay.
+
+    Args:
+        model: the model.
+        to: "c", "python" or "fmu".
+    """
+    return [Carried(one.acting.effect.name, *_source_answer(one, to), told(one)) for one in model.effects]
 
 
 def told(one: Exported) -> tuple[str, ...]:
@@ -38,13 +47,25 @@ def told(one: Exported) -> tuple[str, ...]:
     )
 
 
-def _in_source(one: Exported) -> str:
+def _source_answer(one: Exported, to: str) -> tuple[bool, str]:
+    """Whether source code has an effect, and how, or what to do."""
     effect, names = one.acting.effect, ", ".join(constant.name for constant in one.constants)
     if effect.alter is not None:
-        return "in the rig's constants, which are what they are with it"
-    if effect.sensor is not None:
-        return "in the constants SENSOR_…; a delay shifts what is printed"
-    return f"in the equations, by {names}"
+        return True, "in the rig's constants, which are what they are with it"
+    if effect.sensor is None:
+        return True, f"in the equations, by {names}"
+    delay = sensor_with([one.acting]).delay
+    if to == "fmu" and delay < 0.0:
+        return False, (
+            f"an angle that is late by {-delay:.6g} s asks for angles of the future, which no FMU has; feed the inputs "
+            f"{-delay:.6g} s early, at t those of t + {-delay:.6g} s: `position` at t is then what is recorded at t"
+        )
+    if delay == 0.0:
+        return True, "in the constants SENSOR_…"
+    if to == "fmu":
+        return True, "in the constants SENSOR_…; `position` comes later by the delay"
+    last = f"; the last {-delay:.6g} s, which need angles after the last row, are left blank" if delay < 0.0 else ""
+    return True, f"in the constants SENSOR_…; the delay shifts what is printed{last}"
 
 
 def in_linear(model: ExportModel) -> list[Carried]:
@@ -52,28 +73,32 @@ def in_linear(model: ExportModel) -> list[Carried]:
     return [Carried(one.acting.effect.name, *_linear_answer(one.acting.effect), told(one)) for one in model.effects]
 
 
-def spline_in(model: ExportModel, to: str) -> str:
-    """What became of a law that no catalogue lists; empty without one."""
-    if model.spline is None:
-        return ""
-    name = model.spline.name
-    if model.spline.sensor:
-        if to in ("c", "python", "fmu"):
-            return f"The {name}, an error that no catalogue lists: carried, in what is recorded, as NODES."
-        if to == "statespace":
-            return f"The {name}, an error that no catalogue lists: carried, by its slope at the operating point."
-        return (
-            f"The {name}, an error that no catalogue lists: NOT CARRIED, as a scene has no sensor. --to python has it."
+def spline_in(model: ExportModel, to: str) -> list[Carried]:
+    """What became of a law that no catalogue lists, as the only item; none without one."""
+    spline = model.spline
+    return [] if spline is None else [Carried(spline.name, *_spline_answer(spline, to), ())]
+
+
+def _spline_answer(spline: SplineTerm, to: str) -> tuple[bool, str]:
+    """Whether a format has a law that no catalogue lists, and how, or why not."""
+    if to in _CODE and spline.sensor:
+        return True, f"{_UNLISTED}, in what is recorded, as NODES"
+    if to in _CODE and spline.depends is Regressor.TIME:
+        low, high = float(spline.places[0]), float(spline.places[-1])
+        begin = "; begin the simulation at the recording's time" if to == "fmu" else ""
+        return True, (
+            f"{_UNLISTED}, in the equations, as NODES; its t is the time of the recordings, from {low:.6g} to "
+            f"{high:.6g} s, beyond which the law is constant: it does not tell what another run has{begin}"
         )
-    if to in ("c", "python", "fmu"):
-        return f"The {name}, a law that no catalogue lists: carried, in the equations, as NODES."
-    if to == "statespace" and not model.spline.friction:
-        return f"The {name}, a law that no catalogue lists: carried, by its slope at the operating point."
-    return (
-        f"The {name}, a law that no catalogue lists: NOT CARRIED. Apply it as a force on the ball in every step; "
-        f"--to python "
-        "has it as source."
-    )
+    if to in _CODE:
+        return True, f"{_UNLISTED}, in the equations, as NODES"
+    if to == "statespace" and not spline.friction:
+        return True, f"{_UNLISTED}, by its slope at the operating point"
+    if to == "statespace":
+        return False, f"{_UNLISTED}; a dry friction has no derivative at rest; --to python has it as source"
+    if spline.sensor:
+        return False, f"{_UNLISTED}; a scene has no sensor; --to python has it as source"
+    return False, f"{_UNLISTED}; apply it as a force on the ball in every step; --to python has it as source"
 
 
 def _linear_answer(effect: Effect) -> tuple[bool, str]:

@@ -6,6 +6,7 @@ import hashlib
 import io
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -99,22 +100,31 @@ def _place(fmi: Fmi) -> tuple[str, str]:
     return f"{_MACHINES.get(machine, machine)}-{system}", suffix
 
 
-def _compiler() -> str:
-    """The C compiler: that of the variable CC, else cc, gcc or clang.
+def _compiler() -> list[str]:
+    """The C compiler and its first arguments: what the variable CC says, such as `ccache gcc`; else cc, gcc or clang.
 
     Raises:
         InputError: there is none.
     """
-    asked = os.environ.get("CC")
-    for name in [asked] if asked else ["cc", "gcc", "clang"]:
-        found = shutil.which(name)
+    asked = os.environ.get("CC", "").strip()
+    # The whole may be a path with blanks.
+    for words in [[asked], _words(asked)] if asked else [["cc"], ["gcc"], ["clang"]]:
+        found = shutil.which(words[0]) if words else None
         if found:
-            return found
+            return [found, *words[1:]]
     raise InputError(
         f"no C compiler ({asked or 'cc, gcc or clang'}), which an FMU needs; install one, name it in the variable "
         f"CC, or "
         "take the sources with --to c"
     )
+
+
+def _words(command: str) -> list[str]:
+    """The words of a command, as a shell has them; none where its quotes do not end."""
+    try:
+        return shlex.split(command, posix=os.name != "nt")
+    except ValueError:
+        return []
 
 
 def _built(sources: dict[str, str], suffix: str) -> bytes:
@@ -126,7 +136,7 @@ def _built(sources: dict[str, str], suffix: str) -> bytes:
         library = folder / f"{_IDENTIFIER}{suffix}"
         # No contraction of products and sums, so that it computes as the exported C does elsewhere.
         flags = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-fvisibility=hidden"]
-        command = [_compiler(), *flags, "-o", library.name, "fmu.c", "ball_beam.c", "-lm"]
+        command = [*_compiler(), *flags, "-o", library.name, "fmu.c", "ball_beam.c", "-lm"]
         try:
             done = subprocess.run(
                 command, cwd=folder, capture_output=True, text=True, timeout=_LONGEST_BUILD, check=False

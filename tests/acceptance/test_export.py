@@ -68,10 +68,47 @@ def test_a_changed_file_is_not_replaced(harness: Harness, diagnosis: Path) -> No
     assert source.read_text(encoding="utf-8") != "mine"
 
 
+def test_a_folder_holds_one_format(harness: Harness, diagnosis: Path) -> None:
+    """Refuse to write over an export to another format, and with --force leave nothing of it."""
+    assert harness("export", diagnosis, "--to", "c", "--out", "out").code == 0
+    done = harness("export", diagnosis, "--to", "python", "--out", "out")
+    assert done.code == 2
+    assert "out: holds an export to c, and one to python needs a folder of its own; choose another --out" in done.err
+    assert harness("export", diagnosis, "--to", "c", "--out", "out").code == 0
+    forced = harness("export", diagnosis, "--to", "python", "--out", "out", "--force", "--json")
+    assert forced.code == 0
+    assert {one.name for one in (forced.folder / "out").iterdir()} == set(json.loads(forced.out)["files"])
+
+
+def test_an_unlisted_law_is_among_what_is_carried(harness: Harness, diagnosis: Path) -> None:
+    """Tell on the terminal, in JSON and in export.json that a scene lacks a law that no catalogue lists."""
+    file = diagnosis / "diagnosis.json"
+    content = json.loads(file.read_text(encoding="utf-8"))
+    model = content["model"]
+    model["spline_term"] = {"depends": "time", "friction": False, "low": 0.0, "step": 1.0, "nodes": 4}
+    model["parameters"] += [0.1, 0.2, 0.1, 0.0]
+    count = len(model["parameters"])
+    model["covariance"] = [[1e-6 * (i == j) for j in range(count)] for i in range(count)]
+    file.write_text(json.dumps(content), encoding="utf-8")
+    done = harness("export", diagnosis, "--to", "mjcf")
+    assert "  NOT CARRIED spline of time: a law that no catalogue lists" in done.out
+    told = json.loads(harness("export", diagnosis, "--to", "mjcf", "--json").out)
+    kept = json.loads((diagnosis / "export_mjcf" / RECORD).read_text(encoding="utf-8"))
+    assert not told["complete"]
+    assert told["effects"] == kept["effects"]
+    assert told["effects"][-1]["name"] == "spline of time"
+    carried = json.loads(harness("export", diagnosis, "--to", "fmu", "--json").out)
+    assert carried["complete"]
+    assert "its t is the time of the recordings, from 0 to 3 s" in carried["effects"][-1]["how"]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (("--to", "matlab"), "matlab"),
+        (("--to", "c", "--fmi", "3"), "a version of FMI is for fmu, not for c"),
+        (("--to", "statespace", "--at", "position=1e9,angle=0"), "it must lie on the beam"),
+        (("--to", "statespace", "--at", "angle=5"), "it must lie within ± 90°"),
         (("--to", "c", "--pade", "2"), "are for statespace, not for c"),
         (("--to", "statespace", "--pade", "2"), "no Padé approximation: there is no delay"),
         (("--to", "statespace", "--at", "place=3"), "write position=0.1,angle=0"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import fmpy
@@ -11,11 +12,12 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
-from analytic.effects import SensorLaw
+from analytic.effects import SensorLaw, acting
 from analytic.motion import beam_states
 from analytic.quintic import QuinticMotion
 from harness.api.case import load_case
 from harness.errors import InputError
+from harness.exports.carried import in_source
 from harness.exports.fmu import VARIABLES, Fmi, fmu_bytes
 from harness.exports.model import of_effects
 from harness.preparation.recordings import observe
@@ -96,6 +98,44 @@ def test_a_step_can_be_made_again(tmp_path: Path) -> None:
         one.freeInstance()
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("name", ["angle", "start_position"])
+def test_what_is_no_number_is_refused_with_a_message(fmi: Fmi, name: str, tmp_path: Path) -> None:
+    """End a simulation with an input or a start that is NaN, and log why."""
+    file, told = tmp_path / "ball_beam.fmu", []
+    file.write_bytes(fmu_bytes(of_effects(RIG, []), fmi, ""))
+    signals = np.array([(0.0, 0.01), (0.1, np.nan)], dtype=[("time", np.float64), ("angle", np.float64)])
+    given = {"input": signals} if name == "angle" else {"start_values": {name: np.nan}}
+
+    def log(*arguments: object) -> None:
+        told.append(b" ".join(one for one in arguments if isinstance(one, bytes)).decode())
+
+    with pytest.raises(FMICallException):
+        fmpy.simulate_fmu(str(file), stop_time=0.2, output_interval=0.01, logger=log, **given)
+    assert any("an input or a start is no finite number" in one for one in told)
+
+
+def test_a_negative_delay_is_told_not_to_be_carried() -> None:
+    """Say what to do about an angle that is late, which an FMU alone cannot have, and nothing of printing."""
+    for delay, to, carried in ((-0.04, "fmu", False), (0.04, "fmu", True), (-0.04, "c", True)):
+        (one,) = in_source(of_effects(RIG, [acting("channel_delay", {"delay": delay})]), to)
+        assert one.carried == carried
+        assert ("feed the inputs 0.04 s early" in one.how) == (not carried)
+        assert ("printed" in one.how) == (to == "c")
+
+
+@pytest.mark.parametrize("before", ["", "env ", "'{folder}/my compilers/cc' -m64 -Wall", "{folder}/my compilers/cc"])
+def test_the_compiler_may_have_arguments(before: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take what `CC` says as a shell does: a launcher, options, a path with blanks."""
+    found = shutil.which("cc")
+    assert found is not None
+    (tmp_path / "my compilers").mkdir()
+    (tmp_path / "my compilers" / "cc").symlink_to(found)
+    asked = before.format(folder=tmp_path)
+    monkeypatch.setenv("CC", asked if "compilers" in asked else f"{asked}cc -DUNUSED=1")
+    assert fmu_bytes(of_effects(RIG, []), 2, "")
+
+
 def test_same_model_gives_the_same_file() -> None:
     """Build twice and compare bytes."""
     model = of_effects(RIG, [effect("level_error")])
@@ -104,6 +144,7 @@ def test_same_model_gives_the_same_file() -> None:
 
 def test_missing_compiler_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """Name the compiler that is missing, and what to do."""
-    monkeypatch.setenv("CC", "no_such_compiler")
-    with pytest.raises(InputError, match=r"no C compiler .no_such_compiler.*--to c"):
-        fmu_bytes(of_effects(RIG, []), 2, "")
+    for asked in ("no_such_compiler", "no_such_compiler -m64", "'no_such_compiler"):
+        monkeypatch.setenv("CC", asked)
+        with pytest.raises(InputError, match=r"no C compiler .'?no_such_compiler.*--to c"):
+            fmu_bytes(of_effects(RIG, []), 2, "")

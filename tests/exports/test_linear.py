@@ -6,6 +6,7 @@ import importlib.util
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import control
 import numpy as np
@@ -127,6 +128,27 @@ def test_no_pade_without_a_positive_delay(effects: list[Acting]) -> None:
         linearise(of_effects(Rig(), effects), POINT).with_pade(2)
 
 
+def imported(folder: Path) -> ModuleType:
+    """statespace.py of this folder."""
+    spec = importlib.util.spec_from_file_location("exported_statespace", folder / "statespace.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(("delay", "told"), [(-0.02, "feed it the angle 0.02 s early"), (0.0, "there is no delay")])
+def test_python_says_why_there_is_no_pade(delay: float, told: str, tmp_path: Path) -> None:
+    """Raise an error with what to do instead, where the delay is negative or 0."""
+    linear = linearise(of_effects(Rig(), [acting("channel_delay", {"delay": delay})]), POINT)
+    for name, data in statespace_files(linear, None, json.dumps(content_of(linear, None))).items():
+        (tmp_path / name).write_bytes(data if isinstance(data, bytes) else data.encode())
+    assert imported(tmp_path).system().input_labels == ["angle"]
+    with pytest.raises(ValueError, match=told):
+        imported(tmp_path).system(2)
+
+
 def test_files_hold_the_same_matrices(tmp_path: Path) -> None:
     """Read .mat, JSON and Python back."""
     model = estimated(np.diag([1e-3, 1e-2, 1e-3, 1e-3]) ** 2)
@@ -138,11 +160,7 @@ def test_files_hold_the_same_matrices(tmp_path: Path) -> None:
     assert mat["__header__"].split() == [b"MATLAB", b"5.0", b"MAT-file"]  # and not when, so that the file is the same
     assert [str(one.item()) for one in mat["states"].ravel()] == read["states"]
     assert mat["delay"].item() == read["delay_s"] == linear.delay
-    spec = importlib.util.spec_from_file_location("exported_statespace", tmp_path / "statespace.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = imported(tmp_path)
     system = module.system()
     for name in "ABCD":
         value = getattr(linear, name)
@@ -151,6 +169,8 @@ def test_files_hold_the_same_matrices(tmp_path: Path) -> None:
         np.testing.assert_array_equal(getattr(system, name), value)
         np.testing.assert_array_equal(mat[f"{name}_pade"], read["pade"][name])
         np.testing.assert_array_equal(mat[f"{name}_low"], read["intervals"][name]["low"])
+    assert (system.input_labels, system.output_labels) == (["angle"], ["position"])
+    assert (module.system(2).input_labels, module.system(2).output_labels) == (["angle"], ["position"])
     assert complex(module.system(2)(3.0j)) == pytest.approx(complex(control.ss(*linear.with_pade(2))(3.0j)), rel=1e-8)
 
 

@@ -4,6 +4,7 @@
  * what the beam did wrong within a step does not stay in the ball's run. */
 #include "ball_beam.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,12 @@
 #endif
 
 enum { OK = 0, FAULT = 3 };
+{% if fmi == 2 %}
+typedef void (*logger_t)(void *environment, const char *name, int status, const char *category, const char *text, ...);
+{% else %}
+typedef void (*logger_t)(void *environment, int status, const char *category, const char *text);
+{% endif %}
+
 enum { TIME, ANGLE, RATE, ANGULAR, START_POSITION, START_VELOCITY, PHASE, POSITION, BALL_POSITION, BALL_VELOCITY, COUNT };
 
 typedef struct {
@@ -25,6 +32,8 @@ typedef struct {
   double last_time, *time, *seen;
   size_t n, room;
   int begun;
+  logger_t logger; /* of the importer; NULL for none */
+  void *environment;
 } model_t;
 
 static void blank(model_t *m) {
@@ -32,10 +41,19 @@ static void blank(model_t *m) {
   m->n = 0, m->begun = 0;
 }
 
-static model_t *make(const char *token) {
+static int refuse(model_t *m, const char *text) {
+{% if fmi == 2 %}
+  if (m->logger) m->logger(m->environment, "ball_beam", FAULT, "logStatusError", "%s", text);
+{% else %}
+  if (m->logger) m->logger(m->environment, FAULT, "logStatusError", text);
+{% endif %}
+  return FAULT;
+}
+
+static model_t *make(const char *token, logger_t logger, void *environment) {
   if (!token || strcmp(token, "{{ token }}") != 0) return NULL;
   model_t *m = calloc(1, sizeof *m);
-  if (m) blank(m);
+  if (m) blank(m), m->logger = logger, m->environment = environment;
   return m;
 }
 
@@ -107,6 +125,7 @@ static int get(model_t *m, unsigned vr, double *value) {
 
 static int set(model_t *m, unsigned vr, double value) {
   if (vr < ANGLE || vr > PHASE) return FAULT;
+  if (!isfinite(value)) return refuse(m, "an input or a start is no finite number");
   m->value[vr] = value;
   return OK;
 }
@@ -115,9 +134,17 @@ static int set(model_t *m, unsigned vr, double value) {
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 EXPORT int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[]) { (void)c, (void)on, (void)n, (void)names; return OK; }
+typedef struct { /* fmi2CallbackFunctions */
+  logger_t logger;
+  void *(*allocate)(size_t n, size_t size);
+  void (*release)(void *memory);
+  void (*finished)(void *environment, int status);
+  void *environment;
+} callbacks_t;
 EXPORT void *fmi2Instantiate(const char *name, int kind, const char *guid, const char *place, const void *callbacks, int visible, int logging) {
-  (void)name, (void)place, (void)callbacks, (void)visible, (void)logging;
-  return kind == 1 ? make(guid) : NULL;
+  (void)name, (void)place, (void)visible, (void)logging;
+  const callbacks_t *told = callbacks;
+  return kind == 1 ? make(guid, told ? told->logger : NULL, told ? told->environment : NULL) : NULL;
 }
 EXPORT void fmi2FreeInstance(void *c) { discard(c); }
 EXPORT int fmi2SetupExperiment(void *c, int defined, double tolerance, double start, int stops, double stop) {
@@ -176,9 +203,9 @@ EXPORT int fmi2GetRealOutputDerivatives(void *c, const unsigned vr[], size_t n, 
 
 EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 EXPORT int fmi3SetDebugLogging(void *c, bool on, size_t n, const char *const names[]) { (void)c, (void)on, (void)n, (void)names; return OK; }
-EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *place, bool visible, bool logging, bool events, bool early, const unsigned required[], size_t n, void *environment, void *log, void *update) {
-  (void)name, (void)place, (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)n, (void)environment, (void)log, (void)update;
-  return make(token);
+EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *place, bool visible, bool logging, bool events, bool early, const unsigned required[], size_t n, void *environment, logger_t log, void *update) {
+  (void)name, (void)place, (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)n, (void)update;
+  return make(token, log, environment);
 }
 EXPORT void *fmi3InstantiateModelExchange(const char *name, const char *token, const char *place, bool visible, bool logging, void *environment, void *log) {
   (void)name, (void)token, (void)place, (void)visible, (void)logging, (void)environment, (void)log;
