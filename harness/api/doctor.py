@@ -19,6 +19,7 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
+from harness.engines.catalogue import GraphicsVariable
 from harness.report.tables import Row, Summarised, Summary, Table, texts
 
 _DISTRIBUTION = "ball-beam-harness"
@@ -26,6 +27,16 @@ _DISK, _MEMORY = 500e6, 1e9  # [bytes]: a large sweep's scratch files; a diagnos
 _PATIENCE = 120.0  # for an engine to load and run ten steps on a busy machine [s]
 _PATIENCE_GRAPHICS = 240.0  # for three kinds of OpenGL contexts, each of which may take a minute [s]
 _OPTIONAL = ("dart",)  # engines that are an extra
+EXTRAS = {
+    "files": "MAT-files of version 7.3 and spreadsheets, for `harness import`",
+    "matlab": "objects in MAT-files, for `harness import`",
+    "ros": "ROS bags, for `harness import`",
+    "control": "to use an exported state space",
+    "video": "videos of `harness view`",
+    "rerun": "logs of `harness view`",
+    "dask": "jobs on other machines",
+}
+"""Extras of the package besides DART, which is looked at as an engine, and what only developing needs."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +115,7 @@ def _examined() -> Iterator[Finding]:
     yield from _packages()
     for name in ENGINES:
         yield _engine(name)
+    yield from _extras()
     yield _graphics()
     yield from _videos()
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -132,6 +144,30 @@ def _packages() -> Iterator[Finding]:
         fits = wanted.specifier.contains(found, prereleases=True)
         remedy = "" if fits else f"{wanted.specifier} is needed: run `make setup`"
         yield Finding(wanted.name, fits, found, remedy)
+
+
+def _extras() -> Iterator[Finding]:
+    """Every package of an extra: installed in a version that it asks for, or not, without which the rest works."""
+    try:
+        asked = [Requirement(text) for text in requires(_DISTRIBUTION) or []]
+    except PackageNotFoundError:  # which the harness itself is told as
+        return
+    for extra, purpose in EXTRAS.items():
+        for wanted in asked:
+            if wanted.marker is None or wanted.marker.evaluate({"extra": ""}):
+                continue
+            if not wanted.marker.evaluate({"extra": extra}):
+                continue
+            remedy = f"it is optional, {purpose}: `pip install 'ball-beam-harness[{extra}]'`"
+            what = f"{wanted.name} [{extra}]"
+            try:
+                found = version(wanted.name)
+            except PackageNotFoundError:
+                yield Finding(what, False, "is not installed", remedy, needed=False)
+                continue
+            fits = wanted.specifier.contains(found, prereleases=True)
+            text = found if fits else f"{found}, {wanted.specifier} is asked for"
+            yield Finding(what, fits, text, "" if fits else remedy, needed=False)
 
 
 def run_steps(name: str) -> str:
@@ -168,6 +204,9 @@ def _engine(name: str) -> Finding:
 
 def drawing() -> tuple[str, str, str]:
     """The kind of OpenGL context that draws without a window, why others do not, and what to install if none does."""
+    from harness.engines.catalogue import load_mujoco
+
+    load_mujoco()
     from harness.viewing.offscreen import REMEDY, try_contexts
 
     tried = try_contexts()
@@ -180,6 +219,9 @@ def encoder() -> str:
     Raises:
         InputError: the packages for it are not installed.
     """
+    from harness.engines.catalogue import load_mujoco
+
+    load_mujoco()
     from harness.viewing.film import check_target
 
     check_target(Path("video.mp4"))
@@ -226,6 +268,8 @@ def _tried(
         return replace(failed, text="crashed the process that ran it")
     except TimeoutError:
         return replace(failed, text=f"{failed.text} within {patience:.0f} s", remedy="try again when less runs")
+    except GraphicsVariable as error:
+        return replace(failed, text=str(error), remedy="")  # which says what to do
     except Exception as error:  # whatever a foreign library raises is what the user wants to see
         return replace(failed, text=str(error) or type(error).__name__)
     finally:

@@ -142,9 +142,13 @@ def view(
         progress: show a bar on stderr, or a function to be told.
 
     Raises:
-        InputError: anything given cannot be used, or there is no display or no OpenGL; nothing has been written then.
+        InputError: anything given cannot be used, there is no display or no OpenGL, or a variable keeps MuJoCo from
+            being loaded; nothing has been written then.
         EngineFailure: the engine gave no trustworthy run; likewise.
     """
+    from harness.engines.catalogue import load_mujoco
+
+    load_mujoco()
     from harness.viewing.film import HEIGHT, RATES, WIDTH, check_target
     from harness.viewing.rerun_log import check_log_target
     from harness.viewing.windows import check_display, window_of

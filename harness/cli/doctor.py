@@ -13,7 +13,7 @@ def doctor(as_json: bool) -> None:
     """Examine this machine: versions, engines (each runs some steps), OpenGL, videos, cores, memory, caches, disk.
 
     Every line that is not ok says what to do. The exit code is 1 if something that is needed does not work, such as an
-    engine that does not load; DART and what `harness view --video` needs are optional.
+    engine that does not load; DART, what `harness view --video` needs and the extras of the package are optional.
 
     \b
     Examples:

@@ -49,7 +49,8 @@ class Friendly(click.Group):
             click.echo(f"error: {error}", err=True)
             sys.exit(error.exit_code)
         except click.UsageError as error:
-            raise click.UsageError(printable(error.format_message()), error.ctx) from error
+            # click itself breaks the list of choices into lines
+            raise click.UsageError(printable(error.format_message().replace("\n\t", " ")), error.ctx) from error
         except KeyboardInterrupt:
             click.echo("error: interrupted", err=True)
             sys.exit(128 + signal.SIGINT)

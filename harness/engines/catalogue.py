@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -32,9 +33,15 @@ _OWN_SCENE = {  # with a scene of the user's, named after the same engine
     "pybullet": ("harness.engines.own_scene.pybullet_engine", "PyBulletScene"),
 }
 ENGINES = tuple(_CLASSES)
+GRAPHICS = "MUJOCO_GL"
+"""Variable of the environment that says by which OpenGL MuJoCo draws."""
 DEFAULT_ENGINES = ("mujoco", "pybullet")
 RIG_TABLE = "rig"
 """Table of a settings file that is of the rig and no engine's (`harness.recording.rig_changes`)."""
+
+
+class GraphicsVariable(InputError):
+    """A variable of the environment names an OpenGL that MuJoCo cannot be loaded with."""
 
 
 def engine_of(name: str, scene: Scene | None = None) -> Engine:
@@ -45,13 +52,15 @@ def engine_of(name: str, scene: Scene | None = None) -> Engine:
         scene: of the user's own; the engine runs it if it names a file for this engine, else the built-in one.
 
     Raises:
-        InputError: the name is unknown, or the engine's package is not installed.
+        InputError: the name is unknown, the engine's package is not installed, or a variable is in its way.
     """
     if name not in _CLASSES:
         raise InputError(f"there is no engine {name!r}; engines are {', '.join(ENGINES)}")
     own = scene is not None and scene.file_of(name) is not None
     module, attribute = _OWN_SCENE[name] if own else _CLASSES[name]
     try:
+        if name == "mujoco":
+            load_mujoco()
         made = getattr(importlib.import_module(module), attribute)
         engine: Engine = made(scene) if own else made()
     except ImportError as error:  # not installed, or a system library is missing
@@ -60,6 +69,25 @@ def engine_of(name: str, scene: Scene | None = None) -> Engine:
             f"engine {name} cannot be loaded ({error}); install its requirements, or choose from {others} with --engine"
         ) from error
     return engine
+
+
+def load_mujoco() -> None:
+    """Import MuJoCo, which loads OpenGL if a variable says so.
+
+    Raises:
+        GraphicsVariable: the variable keeps it from being imported.
+        ImportError: it is not installed.
+    """
+    try:
+        importlib.import_module("mujoco")
+    except Exception as error:  # whatever the bindings of the kind of OpenGL raise that the variable asks for
+        kind = os.environ.get(GRAPHICS)
+        if kind is None or (isinstance(error, ModuleNotFoundError) and error.name == "mujoco"):
+            raise
+        raise GraphicsVariable(
+            f"MuJoCo cannot be loaded with {GRAPHICS}={kind} ({error}); unset this variable, or set it to egl, osmesa "
+            "or glfw"
+        ) from error
 
 
 def try_scene(scene: Scene, rig: Rig) -> None:

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, metadata, version
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,43 @@ def test_what_is_optional_does_not_fail() -> None:
     made = Doctor((Finding("engine dart", False, "no libGL", "install it", needed=False),))
     assert made.fit
     assert "engine dart" in made.sentence
+
+
+def test_a_variable_that_keeps_mujoco_out_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Say what to do about MUJOCO_GL, and not to install what is installed."""
+    monkeypatch.setenv("MUJOCO_GL", "bogus")
+    for found in (doctor._engine("mujoco"), *doctor._videos()):
+        assert not found.ok
+        assert "MUJOCO_GL=bogus" in found.text
+        assert "unset this variable" in found.text
+        assert found.remedy == ""
+
+
+def test_every_extra_is_listed_as_installed_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Name a package that is not installed with its extra, and stay fit without it."""
+    extras = set(metadata("ball-beam-harness").get_all("Provides-Extra") or [])
+    assert set(doctor.EXTRAS) == extras - {"dart", "dev", "sysid", "test"}
+
+    def without_h5py(name: str) -> str:
+        if name == "h5py":
+            raise PackageNotFoundError(name)
+        return version(name)
+
+    monkeypatch.setattr(doctor, "version", without_h5py)
+    found = {one.name: one for one in doctor._extras()}
+    assert {"openpyxl [files]", "mat-io [matlab]", "rosbags [ros]", "distributed [dask]"} <= set(found)
+    missing = found["h5py [files]"]
+    assert not missing.ok
+    assert "pip install 'ball-beam-harness[files]'" in missing.remedy
+    assert Doctor((missing,)).fit
+    assert "h5py [files]" in Doctor((missing,)).sentence
+
+
+def test_a_missing_choice_is_told_in_one_line(harness: Harness) -> None:
+    """List what there is to choose from as text, not with escaped line breaks."""
+    done = harness("completion")
+    assert done.code == 2
+    assert "Choose from: bash, zsh, fish" in done.err
 
 
 def test_an_unknown_engine_raises() -> None:

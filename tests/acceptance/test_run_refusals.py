@@ -40,6 +40,15 @@ def test_a_bad_recording(harness: Harness, case: Path, tmp_path: Path) -> None:
     assert_refused(harness("run", tmp_path / "bad.csv"), "bad.csv", "42", "beam_angle_rad")
 
 
+@pytest.mark.parametrize("words", [("run",), ("view", "paper_protocol", "--video", "clip.gif")])
+def test_a_variable_that_keeps_mujoco_out(
+    process: Harness, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Name the variable of the environment with which MuJoCo cannot be imported, and what it may be."""
+    monkeypatch.setenv("MUJOCO_GL", "bogus")
+    assert_refused(process(*words), "MUJOCO_GL=bogus", "unset this variable", "egl")
+
+
 def test_a_missing_case(harness: Harness, tmp_path: Path) -> None:
     """Say that there is no such file."""
     assert_refused(harness("run", tmp_path / "nothing"), "nothing: there is no such file or folder")
