@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -177,20 +178,21 @@ class Check(Summarised):
         Raises:
             InputError: the folder cannot be written, or a file is in the way.
         """
+        folder = Path(folder)
+        with _writing(self.case, folder, force) as scratch:
+            self._write(scratch)
+        return folder
+
+    def _write(self, scratch: Path) -> None:
+        """Write all files."""
         from harness.report.check import render_check
 
-        folder = Path(folder)
-        names = (FILE, REPORT, *((NEXT_EXPERIMENT,) if self.proposal else ()))
-        inputs = input_files(self.case)
-        writing = all_or_nothing(folder, record=FILE, names=names, inputs=inputs, force=force, supersede=True)
-        with writing as scratch:
-            if self.proposal is not None:
-                write_columns(self.proposal.table(), scratch / NEXT_EXPERIMENT)
-            failures = Failures()
-            (scratch / REPORT).write_text(render_check(self._subject(), failures), encoding="utf-8")
-            told = {"failures": [str(one) for one in failures.all], "files": hashes_of(scratch)}
-            (scratch / FILE).write_text(sealed_json(self.record() | told), encoding="utf-8")
-        return folder
+        if self.proposal is not None:
+            write_columns(self.proposal.table(), scratch / NEXT_EXPERIMENT)
+        failures = Failures()
+        (scratch / REPORT).write_text(render_check(self._subject(), failures), encoding="utf-8")
+        told = {"failures": [str(one) for one in failures.all], "files": hashes_of(scratch)}
+        (scratch / FILE).write_text(sealed_json(self.record() | told), encoding="utf-8")
 
     def _subject(self) -> Subject:
         from harness.report.check.content import Subject
@@ -200,44 +202,71 @@ class Check(Summarised):
         )
 
 
-def check(case: CheckedCase | str | Path, *, progress: bool | Progress = False) -> Check:
+def check(
+    case: CheckedCase | str | Path,
+    *,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: bool | Progress = False,
+) -> Check:
     """Check whether a case is fit for use, and which effects it could show at which size; nothing is searched for.
 
     Args:
         case: as of `load_case`, or its path.
+        out: folder to write into, as `Check.save` does; what cannot be written is refused before anything is computed.
+        force: replace files there that no check wrote, or that have been changed since, too.
         progress: show a bar on stderr, or a function to be told.
 
     Raises:
-        InputError: the case cannot be read, or its rig not be completed.
+        InputError: the case cannot be read, its rig not be completed, or the folder not be written.
     """
     with shown(progress) as tell:
         tell("reading the recordings", share=0.0)
         read = case_of(case)
-        reasons = _worthless(read)
-        if reasons:
-            return Check(read, reasons)
-        from harness.identify.design.choose import choose_to_detect
-        from harness.identify.design.detection import detection_limits
-        from harness.identify.design.excitation import envelope_of
-        from harness.identify.pose import problem_of
-        from harness.identify.validation.at_rest import against_rest
+        with nullcontext() if out is None else _writing(read, Path(out), force) as scratch:
+            made = _checked(read, tell)
+            if scratch is not None:
+                made._write(scratch)
+    return made
 
-        tell("drives and rig", share=0.1)
+
+def _writing(case: CheckedCase, folder: Path, force: bool) -> AbstractContextManager[Path]:
+    """What all files of a check are written into; `next_experiment.csv`, which not each has, is looked at last."""
+    inputs = input_files(case)
+    return all_or_nothing(folder, record=FILE, names=(FILE, REPORT), inputs=inputs, force=force, supersede=True)
+
+
+def _checked(read: Case, tell: Progress) -> Check:
+    """The check of a case that was read."""
+    reasons = _worthless(read)
+    if reasons:
+        return Check(read, reasons)
+    from harness.identify.design.choose import choose_to_detect
+    from harness.identify.design.detection import detection_limits
+    from harness.identify.design.excitation import envelope_of
+    from harness.identify.pose import problem_of
+    from harness.identify.rig_completion import NotRolling
+    from harness.identify.validation.at_rest import against_rest
+
+    tell("drives and rig", share=0.1)
+    try:
         problem = problem_of(read)
-        found = detection_limits(problem, Stage(tell, 0.2, 0.75, 3.0))
-        tell("errors over 1 s", share=0.75)
-        ahead = against_rest(problem, found.base)
-        unseen = [one.effect for one in found.limits if not one.seen]
-        share = problem.settings.unseen_share
-        if len(unseen) > share * len(found.limits):
-            reasons = (
-                f"Too little to go by: {len(unseen)} of {len(found.limits)} effects would not show at their typical "
-                "size, so that finding none would mean nothing. Record longer, at a higher rate, or with more motion.",
-            )
-        proposal, envelope = None, envelope_of(problem, read.rig.length)
-        if unseen:
-            tell("what to record instead", share=0.8)
-            proposal = choose_to_detect(problem, found.base, unseen, length=read.rig.length)
+    except NotRolling as error:
+        return Check(read, (f"{error}.",))
+    found = detection_limits(problem, Stage(tell, 0.2, 0.75, 3.0))
+    tell("errors over 1 s", share=0.75)
+    ahead = against_rest(problem, found.base)
+    unseen = [one.effect for one in found.limits if not one.seen]
+    share = problem.settings.unseen_share
+    if len(unseen) > share * len(found.limits):
+        reasons = (
+            f"Too little to go by: {len(unseen)} of {len(found.limits)} effects would not show at their typical "
+            "size, so that finding none would mean nothing. Record longer, at a higher rate, or with more motion.",
+        )
+    proposal, envelope = None, envelope_of(problem, read.rig.length)
+    if unseen:
+        tell("what to record instead", share=0.8)
+        proposal = choose_to_detect(problem, found.base, unseen, length=read.rig.length)
     return Check(read, reasons, found, proposal, envelope, ahead)
 
 

@@ -35,9 +35,7 @@ def check(case: Path, out: Path | None, force: bool, as_json: bool) -> None:
     from harness.api.check import check as look
     from harness.api.outputs import to_json
 
-    made = look(case, progress=not is_quiet())
-    if out is not None:
-        made.save(out, force=force)
+    made = look(case, out=out, force=force, progress=not is_quiet())
     if as_json:
         click.echo(to_json(made.record()))
     elif is_quiet():

@@ -81,6 +81,10 @@ class CompletedRig:
     estimates: tuple[Estimate, ...]
 
 
+class NotRolling(InputError):
+    """Recordings of a ball that does not roll down the recorded angle: signs or units are wrong."""
+
+
 def complete_rig(case: Case, first: Recording, level_angle: float | Literal["estimate"] | None = None) -> CompletedRig:
     """Completes a case's rig by estimates from its recordings, and by assumptions.
 
@@ -90,8 +94,9 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
         level_angle: α₀ [rad]; "estimate"; `None` for that of rig.toml, or 0 if it has none and the rig is known.
 
     Raises:
-        InputError: the level angle is impossible, `first` has no positions, a declared effect is not in the catalogue,
-            or the estimated K is implausibly small.
+        NotRolling: the estimated K is implausibly small.
+        InputError: the level angle is impossible, `first` has no positions, or a declared effect is not in the
+            catalogue.
     """
     known, rough, wanted = case.rig, rough_rig(case.rig), missing(case.rig)
     level = level_angle == "estimate" or (level_angle is None and known.level_angle is None and bool(wanted))
@@ -118,9 +123,11 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
             "Add what is known of it to rig.toml ([ball], [beam]), or record longer, with more positions."
         )
     if fitted.ratio < _MIN_ROLLING_RATIO:
-        raise InputError(
-            f"the recordings show a ball that does not roll down the recorded angle (K = {fitted.ratio:.2f} ± "
-            f"{fitted.std[0]:.2f}, where 0.3 to 0.72 is usual); check units and signs: α > 0 must lower the +s end"
+        turned = "the sign of angle or position is reversed" if fitted.ratio < -_MIN_ROLLING_RATIO else "check units"
+        raise NotRolling(
+            f"{case.path}: the recordings show a ball that does not roll down the recorded angle (K = "
+            f"{fitted.ratio:.2f} ± {fitted.std[0]:.2f}, where 0.3 to 0.72 is usual): {turned}; α > 0 must lower the "
+            "+s end"
         )
     count = "one recording" if len(used) == 1 else f"{len(used)} recordings"
     friction = f"together with a rolling friction f = {round(fitted.friction, 6):.2g} ± {fitted.friction_std:.1g}"

@@ -43,23 +43,44 @@ def test_json_is_one_document_and_quiet_a_line(harness: Harness, case: Path) -> 
     assert quiet.err == ""
 
 
-def test_a_reversed_sign_is_not_fit(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """End with 1 and name the finding when angle and position contradict each other."""
-    turned = tmp_path / "turned"
-    turned.mkdir()
+def turned(case: Path, folder: Path, *, every: int = 1) -> Path:
+    """The case with angles of the other sign in a folder of its own, and every so many positions known."""
+    folder.mkdir()
     for file in case.iterdir():
         text = file.read_text(encoding="utf-8")
         if file.suffix == ".csv":
             head, *rows = text.strip().splitlines()
-            at = head.split(",").index("beam_angle_rad")
+            angle, position = (head.split(",").index(name) for name in ("beam_angle_rad", "ball_position_m"))
             cells = [row.split(",") for row in rows]
-            turned_rows = [",".join([*one[:at], repr(-float(one[at])), *one[at + 1 :]]) for one in cells]
-            text = "\n".join([head, *turned_rows]) + "\n"
-        (turned / file.name).write_text(text, encoding="utf-8")
-    done = harness("check", turned)
+            for number, one in enumerate(cells):
+                one[angle] = repr(-float(one[angle]))
+                one[position] = one[position] if number % every == 0 else ""
+            text = "\n".join([head, *map(",".join, cells)]) + "\n"
+        (folder / file.name).write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_a_reversed_sign_is_not_fit(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """End with 1 and name the finding when angle and position contradict each other."""
+    done = harness("check", turned(case, tmp_path / "turned"))
     assert done.code == 1
     assert "Not fit for use" in done.out
     assert "[angle-sign]" in done.out
+
+
+def test_a_reversed_sign_that_the_rig_alone_shows_is_not_fit(harness: Harness, tmp_path: Path) -> None:
+    """End with 1, name the case and write page and record where K of an unknown rig comes out negative."""
+    unknown = write_short_case(tmp_path / "short", known={}, duration=6.0)
+    reversed_, out = turned(unknown, tmp_path / "reversed", every=10), tmp_path / "out"
+    done = harness("check", reversed_, "--out", out, "--json")
+    assert done.code == 1, done.err
+    (reason,) = json.loads(done.out)["reasons"]
+    assert reason.startswith(
+        f"{reversed_}: the recordings show a ball that does not roll down the recorded angle (K = -"
+    )
+    assert "the sign of angle or position is reversed" in reason
+    assert json.loads((out / "check.json").read_text(encoding="utf-8"))["reasons"] == [reason]
+    assert "the sign of angle or position is reversed" in (out / "check.html").read_text(encoding="utf-8")
 
 
 def test_too_few_positions_are_not_fit(harness: Harness, tmp_path: Path) -> None:
@@ -80,10 +101,14 @@ def test_what_cannot_be_read_is_bad_input(harness: Harness, tmp_path: Path) -> N
     assert not (tmp_path / "out").exists()
 
 
-def test_a_foreign_file_is_not_replaced(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """End with 2 and keep a check.html that the command did not write."""
+def test_a_foreign_file_is_not_replaced(
+    harness: Harness, case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """End with 2 before anything is computed, and keep a check.html that the command did not write."""
+    monkeypatch.setattr("harness.identify.pose.problem_of", pytest.fail)
     (tmp_path / "check.html").write_text("mine", encoding="utf-8")
     assert harness("check", case, "--out", tmp_path).code == 2
+    assert harness("check", case, "--out", tmp_path / "check.html").code == 2
     assert (tmp_path / "check.html").read_text(encoding="utf-8") == "mine"
 
 
