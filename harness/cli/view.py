@@ -86,6 +86,8 @@ def view(
       harness view my_rig/ --effects reports/my_rig/ --rerun my_rig.rrd
     """
     from harness.api.outputs import to_json
+    from harness.api.same_rig import of_another_rig
+    from harness.api.saved import load_diagnosis
     from harness.api.view import view as show
     from harness.engines.catalogue import read_settings
     from harness.recording import load_case
@@ -97,11 +99,16 @@ def view(
     settings = read_settings(parameters, assignments)
     if idle := sorted(set(settings) - {engine}) if assignments else []:
         raise InputError(f"parameters of {', '.join(idle)} are set, but {engine} runs; drop them or choose --engine")
+    own = [one for one in effects if one not in diagnoses]
+    read = with_rig_changes(load_case(case), parameters)
+    kept = load_diagnosis(diagnoses[0], effects=own) if diagnoses else None
+    if kept is not None and (warning := of_another_rig(kept.record, read.rig, read.sha256, case)):
+        click.echo(warning, err=True)
     made = show(
-        with_rig_changes(load_case(case), parameters),
+        read,
         engine=engine,
-        diagnosis=diagnoses[0] if diagnoses else None,
-        effects=[one for one in effects if one not in diagnoses],
+        diagnosis=kept,
+        effects=own,
         settings=settings.get(engine, {}),
         progress=not is_quiet(),
         **options,
@@ -112,6 +119,7 @@ def view(
     if not is_quiet():
         click.echo(str(made.summary().text()))
     if made.video is not None:
-        click.echo(f"video: {made.video} ({made.frames} frames, {made.frames / made.frames_per_s:.1f} s)")
+        counted = "1 frame" if made.frames == 1 else f"{made.frames} frames"
+        click.echo(f"video: {made.video} ({counted}, {made.frames / made.frames_per_s:.1f} s)")
     if made.log is not None:
         click.echo(f"log: {made.log} ({made.stamps} stamps); open it with: rerun {made.log}")

@@ -34,6 +34,27 @@ def test_a_prediction_is_a_file_like_any_other(harness: Harness, case: Path, tmp
     assert stat.S_IMODE(out.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
 
 
+def test_a_recording_of_another_rig_is_told(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """Warn where the rig.toml beside the recording has another ball; without one nothing can be compared."""
+    recording = next(case.glob("*.csv"))
+    copy = tmp_path / "other" / recording.name
+    copy.parent.mkdir()
+    copy.write_bytes(recording.read_bytes())
+    for of in (recording, copy):
+        done = harness("predict", case, of, "--out", tmp_path / "predicted.csv")
+        assert "another rig" not in done.err
+    rig = (case / "rig.toml").read_text(encoding="utf-8")
+    for text, other in (
+        (rig + "# a remark\n", False),
+        (rig.replace("mass_kg = 0.", "mass_kg = 0.1"), True),
+        ("[", False),
+    ):
+        (copy.parent / "rig.toml").write_text(text, encoding="utf-8")
+        done = harness("predict", case, copy, "--out", tmp_path / "predicted.csv")
+        assert done.code == 0, done.err
+        assert (f"warning: {copy}: is of another rig than the diagnosis (mass 0.1" in done.err) == other
+
+
 def test_a_prediction_that_cannot_be_put_leaves_nothing(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Exit with 2 where a folder has the name of the table, and leave no unfinished file beside it."""
     taken = tmp_path / "out" / "predicted.csv"

@@ -107,6 +107,8 @@ def test_its_own_video_is_replaced_and_the_answer_is_brief(harness: Harness, tmp
         assert done.code == 0, done.err
         assert done.err == ""
     assert done.out == f"video: {file} (6 frames, 0.2 s)\n"
+    one = harness("view", case, "--engine", "pybullet", "--from", 0.5, "--to", 0.51, "--video", file, "--quiet")
+    assert one.out == f"video: {file} (1 frame, 0.0 s)\n"
 
 
 @pytest.mark.parametrize(
@@ -131,6 +133,14 @@ def test_what_cannot_be_shown_is_refused(harness: Harness, options: tuple[object
     assert len(done.errors) == 1
     assert said in done.errors[0]
     assert list(done.folder.iterdir()) == []
+
+
+def test_effects_of_another_rig_are_told(harness: Harness) -> None:
+    """Warn where the diagnosis is of a rig with another ball, and not where it is of this one."""
+    for case, other in (("open_ball_beam", True), ("paper_protocol", False)):
+        done = harness("view", case, "--effects", SEED, "--video", "clip.mp4", "--from", 5, "--to", 4)
+        assert done.code == 2
+        assert (f"warning: {case}: is of another rig than the diagnosis (mass 0.03900 kg" in done.err) == other
 
 
 def test_a_log_of_nothing_is_refused(harness: Harness) -> None:
