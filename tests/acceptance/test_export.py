@@ -41,6 +41,8 @@ def test_every_format_is_written_and_told(harness: Harness, diagnosis: Path, to:
     text = (folder / README).read_text(encoding="utf-8")
     assert "rolling_resistance: " in text
     assert ("NOT CARRIED" in text) == (not told["complete"])
+    assert ("The beam reaches from " in text) == (to in ("mjcf", "urdf"))
+    assert ("0.9 to 18 mm elsewhere" in " ".join(text.split())) == (to in ("c", "python"))
     before = {one.name: one.read_bytes() for one in folder.iterdir()}
     again = harness("export", diagnosis, "--to", to)
     assert again.code == 0, again.err
