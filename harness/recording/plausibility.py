@@ -197,7 +197,8 @@ def longest_known_run(signals: Signals) -> tuple[float, FloatArray, FloatArray] 
     if len(known) < 2:
         return None
     step = float(np.median(np.diff(signals.time)))
-    breaks = np.flatnonzero(np.diff(signals.time[known]) > 5 * step) + 1
+    between = np.diff(signals.time[known])  # positions may come more slowly than angles
+    breaks = np.flatnonzero(between > 5 * float(np.median(between))) + 1
     part = max(np.split(known, breaks), key=len)
     grid = np.arange(signals.time[part[0]], signals.time[part[-1]] + 0.5 * step, step)
     angle = np.interp(grid, signals.time, signals.angle)
