@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
+from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.importing.words import UNITS, Role, factor_of, unit_key
 from harness.recording.columns import DEGREE
@@ -57,6 +60,10 @@ class Linkage:
     radius: float
     length: float
     offset: float = 0.0
+
+    def beam(self, crank: FloatArray) -> FloatArray:
+        """The beam's angle α for angles θ of the crank, shape (n,) [rad]."""
+        return np.arcsin(self.radius / self.length * np.sin(crank + self.offset))
 
     def __str__(self) -> str:
         """The formula with its numbers."""

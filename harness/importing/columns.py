@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
-from harness.importing.signals import Group, Signal
+from harness.importing.signals import Group, Signal, is_known
 from harness.importing.words import VOLTS, Kind, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.findings import quoted
 
@@ -62,9 +62,24 @@ def find(
         return Found(group, signal, chosen, f"--{role}")
     kinds = [(group, signal, _kind(group, signal)) for group, signal in every if signal is not taken]
     matches = [(group, signal) for group, signal, kind in kinds if kind == role]
+    shafts = [(group, signal) for group, signal, kind in kinds if kind == "shaft"]
+    if role == "angle" and options.linkage is not None and shafts:  # it turns the shaft's angle into the beam's
+        matches, shafts = shafts, []
+        if len(matches) == 1:
+            return _shaft(path, *matches[0], options)
+    blank = [group.qualified(signal) for group, signal in matches if not is_known(signal)]
+    if blank:
+        known = [(group, signal) for group, signal, _ in kinds if is_known(signal)]
+        called = [one for one in matches if is_known(one[1])]
+        left = called or [one for one in known if _kind(*one) != "time" and _varies(one[1])]
+        none = " Where the recording has no positions, give --position none." if role == "position" else ""
+        raise Ambiguity(
+            f"{path}: {quoted(blank[:1])} is the {_WORDS[role]} by its name, but has no value.",
+            _choices(role, left),
+            f"Where it holds formulas, open the file in the spreadsheet program and save it, with their values.{none}",
+        )
     if len(matches) == 1:
         return Found(*matches[0], None, "its name")
-    shafts = [(group, signal) for group, signal, kind in kinds if kind == "shaft"]
     if role == "angle" and not matches and len(shafts) == 1:
         return _shaft(path, *shafts[0], options)
     if matches:
@@ -90,7 +105,7 @@ _WORDS = {"time": "time", "angle": "beam's angle", "position": "ball's position"
 def _kind(group: Group, signal: Signal) -> Kind | None:
     if signal.name == group.time:
         return "time"
-    return read_name(signal.name).kind or _kind_of_group(group, signal)
+    return read_name(group.own_name(signal)).kind or _kind_of_group(group, signal)
 
 
 def _kind_of_group(group: Group, signal: Signal) -> Kind | None:
@@ -135,6 +150,9 @@ def named(path: Path, text: str, groups: Sequence[Group], *, option: str) -> tup
         if matches:
             names = quoted([group.qualified(signal) for group, signal in matches][:MOST_CHOICES])
             raise InputError(f"{path}: {option}: '{text}' is in several groups: {names}. Write one of these.")
+    renamed = [(group, signal) for group, signal in every if text == signal.written]  # `1` for what is called CH1
+    if len(renamed) == 1:
+        return renamed[0]
     if text.isdecimal() and 1 <= int(text) <= len(every):
         return every[int(text) - 1]
     names = quoted([group.qualified(signal) for group, signal in every][:20])

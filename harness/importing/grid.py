@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import InputError
-from harness.importing.cells import is_date, is_missing, is_number, is_stamp, numbers, seconds
-from harness.importing.signals import Group, Signal, unique_names
-from harness.importing.words import is_unit
+from harness.importing.cells import is_missing, is_number, numbers
+from harness.importing.signals import Group, Signal, is_known, unique_names
+from harness.importing.stamps import is_date, is_stamp, seconds
+from harness.importing.words import ROLES, is_unit, read_name
 from harness.recording.findings import place, rows_text
 
 MOST_COLUMNS = 1000
 FEWEST_ROWS = 3  # below each other, to be taken for data
+MOST_COUNTED = 1000  # rows that are looked at to see whether a column counts them
 # Words that stand in the first cell of a row of units, or of names, and are neither.
 _LABELS = ("source", "sequence", "unit", "units", "einheit", "einheiten", "channel", "")
 
@@ -64,11 +67,14 @@ def data_begins(rows: Rows) -> int | None:
     return None
 
 
-def divide(path: Path, rows: Rows) -> Sheet:
+def divide(path: Path, rows: Rows, *, aligned: bool = False) -> Sheet:
     """Divides rows into preamble, names, units and data.
 
+    Args:
+        aligned: whether a name stands above its column wherever it is, as in a spreadsheet; in text, cells are counted.
+
     Raises:
-        InputError: there is no table of numbers, or something else stands among them.
+        InputError: there is no table of numbers, something else stands among them, or names are too few.
     """
     begin = data_begins(rows)
     if begin is None:
@@ -87,6 +93,9 @@ def divide(path: Path, rows: Rows) -> Sheet:
         cells = _trimmed(rows[head - 1][1])
         if not 0 < len(cells) <= max(width + 1, most) or (len(cells) < width and len(cells) < 2) or is_data(cells):
             break
+        missing = 0 if aligned else width - len(rows[head - 1][1])
+        if missing > (1 if _counts(rows[begin:]) else 0) and not _says_something(cells):
+            break
         if not units and _is_units(cells):
             units = cells
         elif not names:
@@ -98,6 +107,9 @@ def divide(path: Path, rows: Rows) -> Sheet:
     if width > MOST_COLUMNS:
         raise InputError(f"{place(path, rows[begin][0])}: {width} columns; at most {MOST_COLUMNS} are read.")
     body, notes = _body(path, rows[begin:], width)
+    if not aligned:
+        names, units, said = _with_first(path, rows[head:begin], names, units, body)
+        notes = (*notes, *said)
     above = [row for row, cells in rows[:head] if is_data(cells) and len(_trimmed(cells)) > 1]
     if above:
         notes = (*notes, f"{rows_text(above)} above the table left out, though it looks like data")
@@ -117,9 +129,14 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
     _refuse_mixed_marks(path, sheet)
     signals: list[Signal] = []
     left_out: list[str] = []
+    blank: list[str] = []
     for column, (title, unit) in enumerate(zip(sheet.names, sheet.units, strict=True)):
         cells = [row[column] for row in sheet.cells]
         if all(map(is_missing, cells)):
+            if not re.fullmatch(r"column \d+", title):
+                blank.append(title)
+            if read_name(title).kind in (*ROLES, "shaft"):  # else another column would be taken for it
+                signals.append(Signal(title, np.full(len(cells), np.nan), unit, "the file" if unit else ""))
             continue
         values = numbers(cells)
         if values is not None:
@@ -141,8 +158,12 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
                 "if it is unknown."
             )
         left_out.append(title)
-    notes = (f"columns of words left out: {', '.join(left_out)}",) if left_out else ()
-    if not signals:
+    notes = tuple(
+        f"{what}: {', '.join(names)}"
+        for what, names in (("columns of words left out", left_out), ("columns without a value", blank))
+        if names
+    )
+    if not any(is_known(one) for one in signals):
         raise InputError(f"{path}: none of its columns holds numbers. Export the recording as numbers.")
     return Group(name, tuple(signals), sheet.rows), notes
 
@@ -185,6 +206,45 @@ def _body(path: Path, rows: Rows, width: int) -> tuple[list[tuple[int, list[str]
             )
         body.append((row, [*cells, *[""] * (width - len(cells))][:width]))
     return body, ()
+
+
+def _with_first(
+    path: Path, head: Rows, names: list[str], units: list[str], body: Rows
+) -> tuple[list[str], list[str], tuple[str, ...]]:
+    """Names and units for all columns, where R writes none above the numbers of its rows; and a note of that.
+
+    Raises:
+        InputError: names are fewer than columns otherwise, so that nobody knows which belongs to which.
+    """
+    width = max(len(_trimmed(cells)) for _, cells in body[:FEWEST_ROWS])
+    titles = names or units
+    written = next((each for each in head if _trimmed(each[1]) == titles), None)
+    if written is None or len(written[1]) >= width:
+        return names, units, ()
+    row, cells = written
+    kind = "names" if names else "units"
+    if width - len(cells) > 1 or not _counts(body):
+        remedy = "Write one above each column"
+        if width % len(cells) == 0:
+            remedy += "; if commas are decimal marks in it, too, separate the columns by semicolons"
+        raise InputError(
+            f"{place(path, body[0][0])}: {width} cells, but the header in row {row} has {len(cells)} {kind}. {remedy}."
+        )
+    note = f"the header has {len(cells)} {kind} for {width} columns; the first, which counts the rows, was given none"
+    shifted = [["", *each] if 0 < len(each) < width else each for each in (names, units)]
+    return shifted[0], shifted[1], (note,)
+
+
+def _counts(body: Rows) -> bool:
+    """Whether the first cells count the rows from one."""
+    return all(cells[0] == str(number) for number, (_, cells) in enumerate(body[:MOST_COUNTED], start=1))
+
+
+def _says_something(cells: Sequence[str]) -> bool:
+    """Whether a row with fewer cells than the data has names or units; else it is of the preamble."""
+    if any(is_number(cell) or is_stamp(cell) or is_date(cell) for cell in cells):
+        return False
+    return _is_units(cells) or any(read_name(cell).kind in (*ROLES, "shaft") for cell in cells)
 
 
 def _is_units(cells: Sequence[str]) -> bool:

@@ -8,8 +8,19 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.recording.known_rig import KnownRig
-from harness.recording.plausibility import Signals, is_conclusive, longest_known_run, plausible_slope
+from harness.recording.plausibility import Signals, is_conclusive, longest_known_run
 from harness.recording.tilt_response import TiltResponse, tilt_response
+
+USUAL_SLOPES = (0.35, 0.85)
+"""Slopes by which a unit is told. A ball has 1/(1 + J/(m r²)): 0.71 if solid and 0.6 if a shell on a flat beam, on
+rails down to 0.4 (`tilt_response`); beyond that there is a sixth for the gains of sensors. Inches taken for
+centimetres, or counts of an encoder for degrees, change the slope by 2.5 and more, which the wider bounds of `check`
+let pass."""
+
+
+def is_usual(slope: float) -> bool:
+    """Whether a slope is one of a rolling ball, of either sign."""
+    return USUAL_SLOPES[0] <= abs(slope) <= USUAL_SLOPES[1]
 
 
 @dataclass(frozen=True)
@@ -31,10 +42,6 @@ class Evidence:
     def slope(self) -> float:
         """Acceleration over g α [1]; 0 without a response."""
         return 0.0 if self.response is None else self.response.slope
-
-    def plausible(self, factor: float = 1.0) -> bool:
-        """Whether the slope, in units that change it by a factor, is one of a rolling ball, of either sign."""
-        return plausible_slope(abs(self.slope) * factor)
 
     def __str__(self) -> str:
         if self.response is None:

@@ -21,12 +21,19 @@ class Signal:
         values: NaN where a cell is blank, shape (n,), in the file's unit.
         unit: as written; empty if the file has none.
         unit_from: where the unit is written, such as `Y_Unit_Label`; empty if it is in the name or nowhere.
+        written: the file's own name, if it was replaced by a plainer one.
     """
 
     name: str
     values: FloatArray
     unit: str = ""
     unit_from: str = ""
+    written: str = ""
+
+
+def is_known(signal: Signal) -> bool:
+    """Whether any of its values is known."""
+    return bool(np.isfinite(signal.values).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +61,10 @@ class Group:
     def qualified(self, signal: Signal) -> str:
         """The name of a signal with that of its group."""
         return f"{self.name}/{signal.name}" if self.name else signal.name
+
+    def own_name(self, signal: Signal) -> str:
+        """The name of a signal without that of its structure: `x` for `log.x` of `log`."""
+        return signal.name.removeprefix(f"{self.name}.") if self.name else signal.name
 
 
 @dataclass(frozen=True, eq=False)

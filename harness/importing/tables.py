@@ -48,7 +48,7 @@ def read_workbook(path: Path) -> SourceFile:
             continue
         # Cells to the left of a table are as blank as those of a missing value.
         left = min(next(at for at, cell in enumerate(cells) if cell) for _, cells in rows)
-        sheet = divide(path, [(number, cells[left:]) for number, cells in rows])
+        sheet = divide(path, [(number, cells[left:]) for number, cells in rows], aligned=True)
         group, left_out = group_of_sheet(path, sheet, title)
         groups.append(group)
         notes += [*sheet.notes, *left_out]

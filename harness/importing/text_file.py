@@ -19,6 +19,8 @@ from harness.recording.source import read_source
 BLANKS = " "
 SEPARATORS = (";", "\t", ",", BLANKS)  # in this order: a comma may also be a decimal mark
 MOST_LINES_LOOKED_AT = 400  # to find the separator
+MOST_LINES_OF_A_NAME = 6  # of a row of names with line breaks in them
+_BETWEEN_BLANKS = re.compile(r'"[^"]+"(?=\s|$)|\S+')  # R writes names between quotation marks
 
 
 def read_text(path: Path) -> SourceFile:
@@ -36,8 +38,11 @@ def read_text(path: Path) -> SourceFile:
     rows, side = without_side_preamble(rows)
     sheet = divide(path, rows)
     preamble = preamble_of((*side, *sheet.preamble))
+    written = sheet.names
     sheet = _named(sheet, preamble)
     group, notes = group_of_sheet(path, sheet)
+    old = dict(zip(sheet.names, written, strict=True))
+    group = replace(group, signals=tuple(replace(one, written=old[one.name]) for one in group.signals))
     return SourceFile(
         path,
         source.sha256,
@@ -76,23 +81,44 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
 def _rows(path: Path, lines: Sequence[str], separator: str, *, strict: bool = True) -> Rows:
     """Row numbers and cells of all lines that are not blank."""
     made: list[tuple[int, list[str]]] = []
+    consumed = 0
     for number, line in enumerate(lines, start=1):
+        if number <= consumed:
+            continue
         text = line.strip("\ufeff \r") if separator != "\t" else line.strip("\ufeff\r")
         if not text.strip() or re.fullmatch(r"sep=.", text):
             continue
         text = re.sub(r"^\s*[#%]+\s*", "", text)  # comments hold preambles and column names
         if separator == BLANKS:
-            cells = text.split()
+            cells = [one.strip('"') if one.endswith('"') else one for one in _BETWEEN_BLANKS.findall(text)]
         elif '"' in text:
-            try:
-                cells = next(csv.reader([text], delimiter=separator, skipinitialspace=True, strict=strict))
-            except csv.Error:
-                raise InputError(f"{path}, row {number}: a quotation mark is not closed. Close or remove it.") from None
+            within = bool(made) and is_data(made[-1][1])
+            after = [] if within or not strict else lines[number : number + MOST_LINES_OF_A_NAME]
+            cells, more = _quoted(path, number, text, after, separator, strict=strict)
+            consumed = number + more
         else:
             cells = text.split(separator)
         if any(cells):
             made.append((number, [cell.strip().strip("\x00") for cell in cells]))
     return made
+
+
+def _quoted(
+    path: Path, number: int, text: str, after: Sequence[str], separator: str, *, strict: bool
+) -> tuple[list[str], int]:
+    """Cells of a row with quotation marks, and how many of the lines after it belong to them, as a name may be broken.
+
+    Raises:
+        InputError: a mark stays open.
+    """
+    for lines in ([text], [f"{one}\n" for one in (text, *after)]):
+        reader = csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=strict)
+        try:
+            cells = next(reader)
+        except csv.Error:
+            continue
+        return [" ".join(cell.split("\n")) for cell in cells], reader.line_num - 1
+    raise InputError(f"{path}, row {number}: a quotation mark is not closed. Close or remove it.") from None
 
 
 def _named(sheet: Sheet, preamble: Preamble) -> Sheet:

@@ -11,7 +11,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.importing.choices import Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.columns import named, range_of
-from harness.importing.signals import Group, Signal
+from harness.importing.signals import Group, Signal, is_known
 from harness.importing.words import factor_of, read_name
 
 
@@ -60,7 +60,7 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
     if group.time is not None:
         signal = next(one for one in group.signals if one.name == group.time)
         return _of_signal(signal, None, signal.unit_from or "the format")
-    matches = [one for one in group.signals if read_name(one.name).kind == "time"]
+    matches = [one for one in group.signals if read_name(group.own_name(one)).kind == "time" and is_known(one)]
     if len(matches) > 1:
         with_values = [one for one in matches if _rises(one)]
         matches = with_values if len(with_values) == 1 else matches

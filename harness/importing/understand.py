@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,9 +16,10 @@ from harness.importing.columns import Found, find
 from harness.importing.merge import on_common_rows
 from harness.importing.physics import Evidence, evidence_of
 from harness.importing.questions import Questions
+from harness.importing.scales import scales_of
 from harness.importing.signals import Group, SourceFile
 from harness.importing.times import Times, times_of
-from harness.importing.units import Scale, resolve, scale_of
+from harness.importing.units import Scale, scale_of
 from harness.importing.words import Role
 from harness.recording.resolution import inferred_resolution
 from harness.recording.sampling import MIN_SAMPLES, check_order
@@ -104,16 +105,19 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     assert times is not None
     if position_at is not None and position_at.signal is angle_at.signal:
         raise InputError(f"{path}: '{angle_at.name}' is given as angle and as position. Choose two columns.")
+    if angle_at.signal.name == times.name:
+        raise InputError(f"{path}: '{angle_at.name}' is given as time and as angle. Choose two columns.")
     notes = [note for one in sources for note in one.notes]
     together = position_at is None or position_at.group is angle_at.group
     position_times = times if together or position_at is None else times_of(path, position_at.group, groups, options)
-    scales = _scales(path, times, position_times, angle_at, position_at, written, linkage, options)
+    if position_at is not None and position_at.signal.name == position_times.name:
+        raise InputError(f"{path}: '{position_at.name}' is given as time and as position. Choose two columns.")
+    scales = scales_of(path, times, position_times, angle_at, position_at, written, linkage, options)
     rows, time, angle = _column(path, times, scales["time"], angle_at, scales["angle"], notes)
     read_angle = angle
     interpolated = False
     if linkage is not None:
-        turned = linkage.radius / linkage.length * np.sin(angle + linkage.offset)
-        angle = np.arcsin(turned)
+        angle = linkage.beam(angle)
         notes.append(f"beam angle computed from the crank's: {linkage}")
     if position_at is None:
         position = np.full(len(time), np.nan)
@@ -171,41 +175,6 @@ def _groups(sources: Sequence[SourceFile]) -> tuple[Group, ...]:
         for one in sources
         for group in one.groups
     )
-
-
-def _scales(
-    path: Path,
-    times: Times,
-    position_times: Times,
-    angle_at: Found,
-    position_at: Found | None,
-    written: Mapping[Role, Scale | None],
-    linkage: Linkage | None,
-    options: Options,
-) -> dict[Role, Scale]:
-    """Units of time, angle and position, as written or from the data."""
-    known: dict[Role, Scale | None] = {
-        "time": None if times.factor is None else Scale(times.unit, times.factor, times.unit_from),
-        **written,
-    }
-    values: dict[Role, FloatArray] = {"time": times.values, "angle": angle_at.signal.values}
-    names: dict[Role, str] = {"time": times.name, "angle": angle_at.name}
-    if position_at is not None:
-        values["position"], names["position"] = position_at.signal.values, position_at.name
-    if all(known.values()):
-        return {role: scale for role, scale in known.items() if scale is not None}
-    values = {role: values[role] if scale is None else scale.applied(values[role]) for role, scale in known.items()}
-    evidence = Evidence(None)
-    if position_at is not None:
-        position = values["position"]
-        if position_at.group is not angle_at.group:
-            factor = 1.0 if known["time"] is None else known["time"].factor
-            stamps = position_times.values * factor
-            rising = np.isfinite(stamps) & np.isfinite(position)
-            position = np.interp(values["time"], stamps[rising], position[rising]) if rising.any() else position[:0]
-        if len(position) == len(values["time"]):
-            evidence = evidence_of(values["time"], values["angle"], position, gravity=options.gravity)
-    return resolve(path, names, values, known, evidence, shaft=linkage is not None)
 
 
 def _column(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,14 +13,14 @@ from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.importing.choices import Ambiguity, Choice
 from harness.importing.columns import Found
-from harness.importing.physics import Evidence
-from harness.importing.words import UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
+from harness.importing.physics import Evidence, is_usual
+from harness.importing.words import ROLES, UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.columns import QUANTITIES
 
 CANDIDATES: Mapping[Role, tuple[str, ...]] = {
-    "time": ("s", "ms", "us"),
+    "time": ("s", "ms", "us", "ns"),
     "angle": ("rad", "deg"),
-    "position": ("m", "cm", "mm"),
+    "position": ("m", "cm", "mm", "in"),
 }
 """Units that a signal without one may have."""
 # Sizes in SI units that a recording of a ball on a beam may have. A crank turns further than a beam.
@@ -104,17 +104,19 @@ def resolve(
     names: Mapping[Role, str],
     values: Mapping[Role, FloatArray],
     known: Mapping[Role, Scale | None],
-    evidence: Evidence,
+    evidence: Callable[[FloatArray], Evidence],
     *,
     shaft: bool,
 ) -> dict[Role, Scale]:
     """Scales of all signals; those without a unit get the only one that fits.
 
+    Size alone tells the unit of the time. That of an angle or a position has to fit the ball's acceleration, too.
+
     Args:
         names: of the signals.
         values: readings in SI units where the scale is known, else as read; each of shape (n,).
         known: scales, `None` where no unit is known.
-        evidence: of these values.
+        evidence: of these values with an angle in rad instead.
         shaft: whether the angle is that of a crank.
 
     Raises:
@@ -128,37 +130,67 @@ def resolve(
         role: [unit for unit in CANDIDATES[role] if _fits(role, values[role] * UNITS[role][unit], shaft=shaft)]
         for role in unknown
     }
-    combinations = [
-        dict(zip(unknown, units, strict=True)) for units in itertools.product(*(by_size[role] for role in unknown))
-    ]
-    with_physics = evidence.conclusive and not shaft
-    fitting = [one for one in combinations if not with_physics or evidence.plausible(_slope_factor(one))]
-    if len(fitting) == 1:
-        fit = fitting[0]
-        fits = "size"
-        if with_physics:
-            fits += f" and acceleration, {evidence.slope * _slope_factor(fit):+.2g} g α"
-        return made | {
-            role: Scale(
-                unit, UNITS[role][unit], f"not written; of {', '.join(CANDIDATES[role])} it alone fits in {fits}"
-            )
-            for role, unit in fit.items()
-        }
-    role = next((one for one in unknown if len({fit[one] for fit in fitting}) != 1), unknown[0])
-    left = list(dict.fromkeys(fit[role] for fit in fitting)) or list(CANDIDATES[role])
-    name = names[role]
+    odd = next((role for role in ROLES if role in unknown and not by_size[role]), None)
+    if odd is not None:
+        usual = ", ".join(CANDIDATES[odd])
+        raise _open(path, odd, names[odd], values[odd], (), f"and its readings do not have the size of any of {usual}")
+    by_angle = {
+        unit: evidence(values["angle"] * (UNITS["angle"][unit] if unit else 1.0)) for unit in by_size.get("angle", [""])
+    }
+    slopes: dict[tuple[str, ...], float] = {}
+    for units in itertools.product(*(by_size[role] for role in unknown)):
+        in_these = dict(zip(unknown, units, strict=True))
+        slopes[units] = by_angle[in_these.get("angle", "")].slope * _slope_factor(in_these)
+    with_physics = all(one.conclusive for one in by_angle.values())
+    fitting = [units for units, slope in slopes.items() if not with_physics or is_usual(slope)]
+    role = next((one for at, one in enumerate(unknown) if len({units[at] for units in fitting}) > 1), None)
+    told = [one for one in unknown if one != "time"]
+    why = ""
+    if not fitting and not told and len(slopes) == 1:  # whatever is wrong with the slope, it is not the time
+        fitting, with_physics = list(slopes), False
+    elif not fitting:
+        role = (told or unknown)[0]
+        seen = " or ".join(f"{slope:.2g}" for slope in sorted(set(map(abs, slopes.values())))[:6])
+        why = f"and with the usual ones the ball accelerates by {seen} g α, where a ball does by 0.4 to 0.8"
+    elif role is not None:
+        why = "and the data allow several"
+    elif told and not with_physics:
+        role, why = told[0], "and the ball does not follow the angle clearly enough to tell it"
+    elif "angle" in told and _are_whole(values["angle"]):
+        role, why = "angle", "and holds whole numbers, which may be the counts of an encoder"
+    if role is not None:
+        left = list(dict.fromkeys(units[unknown.index(role)] for units in fitting)) or by_size[role]
+        raise _open(path, role, names[role], values[role], left, why)
+    (fit,) = fitting
+    fits = f"size and acceleration, {slopes[fit]:+.2g} g α" if with_physics else "size"
+    return made | {
+        role: Scale(unit, UNITS[role][unit], f"not written; of {', '.join(CANDIDATES[role])} it alone fits in {fits}")
+        for role, unit in zip(unknown, fit, strict=True)
+    }
+
+
+def _open(path: Path, role: Role, name: str, values: FloatArray, units: Sequence[str], why: str) -> Ambiguity:
+    """The question for a unit; a calibration is offered where none fits, or counts are possible."""
     choices = tuple(
-        Choice({role: f"{name}:{unit}"}, f"--{role} '{name}:{unit}'", _range(values[role] * UNITS[role][unit], role))
-        for unit in left
+        Choice({role: f"{name}:{unit}"}, f"--{role} '{name}:{unit}'", _range(values * UNITS[role][unit], role))
+        for unit in units or CANDIDATES[role]
     )
-    what = "and the data allow several" if fitting else "and the readings fit none of the usual units"
-    raise Ambiguity(f"{path}: '{name}' ({role}) has no unit, {what}.", choices)
+    advice = ""
+    if role != "time":
+        unit = CANDIDATES[role][-1] if role == "angle" else "cm"
+        advice = f"For counts or volts give gain and offset: --{role} '{name}:0.088 {unit}/count+0.5'."
+    return Ambiguity(f"{path}: '{name}' ({role}) has no unit, {why}.", choices, advice)
+
+
+def _are_whole(values: FloatArray) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(len(known)) and bool(np.all(known == np.round(known)))
 
 
 def _slope_factor(units: Mapping[Role, str]) -> float:
-    """By which the slope of acceleration against g α changes if values as read are in these units."""
+    """By which the slope of acceleration against g α changes if times and positions as read are in these units."""
     factor = {role: UNITS[role][unit] for role, unit in units.items()}
-    return factor.get("position", 1.0) / (factor.get("angle", 1.0) * factor.get("time", 1.0) ** 2)
+    return factor.get("position", 1.0) / factor.get("time", 1.0) ** 2
 
 
 def _fits(role: Role, values: FloatArray, *, shaft: bool) -> bool:

@@ -81,21 +81,25 @@ _SAID_BY: Mapping[Kind, frozenset[str]] = {
         "error err fehler erreur input voltage current spannung strom"
     ),
 }
-_ALONE: Mapping[str, Kind] = {
-    "t": "time",
-    "x": "position",
-    "s": "position",
-    "r": "position",
+_BODIES: Mapping[str, Kind] = {
     "ball": "position",
     "kugel": "position",
     "bille": "position",
     "beam": "angle",
     "balken": "angle",
+}
+"""What is meant by the ball or the beam if a name says nothing else of it."""
+_LETTERS: Mapping[str, Kind] = {
+    "t": "time",
+    "x": "position",
+    "s": "position",
     "v": "velocity",
     "θ": "shaft",
     "ϑ": "shaft",
 }
-"""Words that mean a quantity if a name has no other."""
+"""Symbols, which mean these quantities alone or beside the ball or the beam: `x`, `ball x`, but not `mag_x`."""
+_WHICH = _set("run series trial data set latest measurement messung lauf versuch")
+"""Words that say which recording it is, as Capstone and Logger Pro write them: `x Run #1`."""
 _ORDER: tuple[Kind, ...] = ("setpoint", "velocity", "shaft", "angle", "position", "time")
 
 
@@ -154,14 +158,25 @@ def _kind_of(words: list[str]) -> Kind | None:
     for kind in _ORDER:
         if _SAID_BY[kind] & {*words, whole}:
             return kind
-    return next((_ALONE[word] for word in reversed(words) if word in _ALONE), None)
+    said = [word for word in words if word not in _WHICH]
+    bodies = [word for word in said if word in _BODIES]
+    if len(said) == 1 or bodies:
+        known = {**_BODIES, **_LETTERS}
+        return next((known[word] for word in reversed(said) if word in known), None)
+    return None
+
+
+_BRACKETED = re.compile(r"\s*[\[(<{]\s*([^\])>}]*?)\s*[\])>}]")
 
 
 def _split_unit(name: str) -> tuple[str, str]:
     """The name without its unit, and the unit."""
+    inside = [one for one in _BRACKETED.finditer(name) if one.start() > 0 and is_unit(one[1])]
+    if inside:  # wherever it stands: `Position (in) Run #1`, `Angle (deg) (filtered)`
+        return f"{name[: inside[-1].start()]} {name[inside[-1].end() :]}".strip(), inside[-1][1]
     bracketed = re.fullmatch(r"(.*\S)\s*[\[(<{]\s*([^\])>}]*?)\s*[\])>}]\s*", name)
-    if bracketed and bracketed[2].isdigit():  # an index, as in `position[0]`
-        return bracketed[1], ""
+    if bracketed and bracketed[2].isdigit():  # an index, as in `position[0]`, or one name of several: `theta_deg (2)`
+        return _split_unit(bracketed[1])
     if bracketed:
         return bracketed[1], bracketed[2]
     worded = re.fullmatch(r"(.*\S)\s*(?:\s/|/\s|\sin\s|,\s)\s*(\S+)\s*", name)

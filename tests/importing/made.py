@@ -183,7 +183,7 @@ _LVM_HEAD = (
 )
 _LVM_SEGMENT = (
     "Channels\t2\t\t\nSamples\t{n}\t{n}\t\nDate\t2024/05/01\t2024/05/01\t\nTime\t12:00:00,5\t12:00:00,5\t\n"
-    "Y_Unit_Label\tdeg\tmm\t\nX_Dimension\tTime\tTime\t\nX0\t0,0E+0\t0,0E+0\t\nDelta_X\t1,0E-2\t1,0E-2\t\n"
+    "Y_Unit_Label\tdeg\tmm\t\nX_Dimension\tTime\tTime\t\nX0\t{start}\t{start}\t\nDelta_X\t1,0E-2\t1,0E-2\t\n"
     "***End_of_Header***\t\t\t\nX_Value\tBeam Angle\tBall Position\tComment\n"
 )
 
@@ -197,7 +197,7 @@ def labview(path: Path, columns: str = "One", segments: int = 1) -> Path:
     time, angle, position = truth()
     text = _LVM_HEAD.format(columns=columns)
     for part in np.array_split(np.arange(len(time)), segments):
-        text += _LVM_SEGMENT.format(n=len(part))
+        text += _LVM_SEGMENT.format(n=len(part), start="0,0E+0" if columns == "One" else comma(float(time[part[0]])))
         for at in part:
             stamp = comma(float(time[at])) if columns == "One" else ""
             text += f"{stamp}\t{comma(float(np.degrees(angle[at])))}\t{comma(1e3 * float(position[at]))}\n"

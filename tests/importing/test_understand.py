@@ -39,7 +39,7 @@ def agrees(understood: Understood) -> None:
 
 
 @pytest.mark.parametrize(
-    "units", list(itertools.product(("s", "ms", "us"), ("rad", "deg"), ("m", "cm", "mm"))), ids="-".join
+    "units", list(itertools.product(("s", "ms", "us", "ns"), ("rad", "deg"), ("m", "cm", "mm", "in"))), ids="-".join
 )
 def test_units_that_are_not_written(units: tuple[str, str, str]) -> None:
     """Find every combination of units from size and acceleration, and say that they were not written."""
@@ -57,7 +57,74 @@ def test_units_that_the_data_leave_open_are_asked_for() -> None:
     file = source(("time_s", time), ("angle_rad", 0.03 * np.sin(3.0 * time)), ("x", position))
     with pytest.raises(Ambiguity) as caught:
         understand([file], Options())
-    assert {one.typed for one in caught.value.choices} == {"--position 'x:cm'", "--position 'x:mm'"}
+    assert {one.typed for one in caught.value.choices} == {f"--position 'x:{unit}'" for unit in ("cm", "mm", "in")}
+
+
+def test_counts_are_not_degrees() -> None:
+    """Ask about whole numbers, and about an angle with which no ball would accelerate as the data say."""
+    time, angle, position = made.truth()
+    counts = np.round(np.degrees(angle) * 1024.0 / 360.0)
+    with pytest.raises(Ambiguity, match=r"'angle' .* holds whole numbers, which may be the counts") as caught:
+        understand([source(("t", time), ("angle", counts), ("x_cm", 2.54 * position * 100.0))], Options())
+    assert "--angle 'angle:0.088 deg/count+0.5'" in caught.value.advice
+    with pytest.raises(Ambiguity, match=r"'angle' .* accelerates by 0\.23 g α, where a ball does by 0\.4 to 0\.8"):
+        understand([source(("t_s", time), ("angle", np.degrees(angle) * 1024.0 / 360.0), ("x_m", position))], Options())
+
+
+@pytest.mark.parametrize("factor", [1e3, 2000.0])
+def test_the_quantity_that_fits_nothing_is_named(factor: float) -> None:
+    """Blame milliradians, and not the time, for what fits no unit."""
+    time, angle, position = made.truth()
+    with pytest.raises(Ambiguity, match=r"'angle' \(angle\) has no unit, and .* size of any of rad, deg"):
+        understand([source(("t", time), ("angle", factor * angle), ("x", position))], Options())
+
+
+def test_a_unit_that_only_size_would_tell_is_asked_for() -> None:
+    """Ask for the unit of a position that does not follow the angle; take that of the time from its size."""
+    time = np.arange(0.0, 10.0, 0.01)
+    noise = np.random.default_rng(5).uniform(0.2, 0.4, len(time))
+    file = source(("t", time), ("angle_rad", 0.03 * np.sin(3.0 * time)), ("x", noise))
+    with pytest.raises(Ambiguity, match=r"'x' .* does not follow the angle clearly enough") as caught:
+        understand([file], Options())
+    assert [one.typed for one in caught.value.choices] == ["--position 'x:m'"]
+    assert understand([file], Options(position="x:m")).lines[0].unit == "s"
+
+
+@pytest.mark.parametrize("every", [1, 4, 10, 25])
+def test_the_sign_is_told_where_positions_come_slowly(every: int) -> None:
+    """Ask about a reversed sign at any ratio of the rates."""
+    time, angle, position = made.truth()
+    slow = np.where(np.arange(len(time)) % every == 0, position, np.nan)
+    with pytest.raises(Ambiguity, match=r"is -0\.6.* one sign is reversed"):
+        understand([source(("time_s", time), ("angle_rad", -angle), ("x_m", slow))], Options())
+
+
+def test_a_linkage_is_of_the_servos_angle() -> None:
+    """Turn the servo's column, and not that of the beam, by the linkage."""
+    time, angle, position = made.truth()
+    crank = np.arcsin(np.sin(angle) * 0.4 / 0.05)
+    file = source(("t_s", time), ("servo_rad", crank), ("angle_rad", angle), ("x_m", position))
+    understood = understand([file], Options(linkage="r=0.05,L=0.4"))
+    assert understood.lines[1].column == "servo_rad"
+    np.testing.assert_allclose(understood.angle, angle, atol=1e-14)
+
+
+@pytest.mark.parametrize("role", ["angle", "position"])
+def test_the_time_is_nothing_else(role: str) -> None:
+    """Refuse the column of the time as another quantity."""
+    time, angle, position = made.truth()
+    file = source(("t_s", time), ("angle_rad", angle), ("x_m", position))
+    with pytest.raises(InputError, match=f"'t_s' is given as time and as {role}"):
+        understand([file], Options(**{role: "1:deg" if role == "angle" else "t_s:m"}))
+
+
+def test_a_letter_within_a_name_says_nothing() -> None:
+    """Ask for the position where only `mag_x`, `F_s` and `r` could be it by a letter."""
+    time, angle, position = made.truth()
+    others = [(name, np.sin(time)) for name in ("mag_x", "F_s", "r (m)", "t (s) (2)")]
+    file = source(("t (s)", time), ("pitch_rad", angle), *others, ("range (cm)", 100.0 * position))
+    with pytest.raises(Ambiguity, match="no column is called the ball's position"):
+        understand([file], Options(time="t (s)"))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -36,6 +36,18 @@ from harness.importing.words import factor_of, is_unit, read_name
         ("temperature", None, ""),
         ("CH1", None, ""),
         ("Channel A (V)", None, "V"),
+        ("Position (in) Run #1", "position", "in"),
+        ("Angle (deg) (filtered)", "angle", "deg"),
+        ("theta_deg (2)", "shaft", "deg"),
+        ("t (s) Run #1", "time", "s"),
+        ("t (s) (2)", "time", "s"),
+        ("ball.x", "position", ""),
+        ("x in cm", "position", "cm"),
+        ("mag_x", None, ""),
+        ("F_s", None, ""),
+        ("θ_r", None, ""),
+        ("r", None, ""),
+        ("Sonar (s)", None, "s"),
     ],
 )
 def test_a_name_says_quantity_and_unit(name: str, kind: str | None, unit: str) -> None:
