@@ -19,6 +19,7 @@ from harness.recording.source import read_source
 BLANKS = " "
 SEPARATORS = (";", "\t", ",", BLANKS)  # in this order: a comma may also be a decimal mark
 MOST_LINES_LOOKED_AT = 400  # to find the separator
+_UNIT_OF = re.compile(r"(.*\S)\s*(?:[\[(]\s*(.+?)\s*[\])]|\sin\s+(\S+)|\s*[:=]\s*(\S+))")
 MOST_LINES_OF_A_NAME = 6  # of a row of names with line breaks in them
 _BETWEEN_BLANKS = re.compile(r'"[^"]+"(?=\s|$)|\S+')  # R writes names between quotation marks
 
@@ -121,9 +122,22 @@ def _quoted(
     raise InputError(f"{path}, row {number}: a quotation mark is not closed. Close or remove it.") from None
 
 
+def _said_of_units(sheet: Sheet) -> list[str]:
+    """Units of the columns, with those that a preamble writes behind their names: `t in ms`, `x: cm`, `x [inch]`."""
+    units = list(sheet.units)
+    for cell in (cell for cells in sheet.preamble for cell in cells):
+        found = _UNIT_OF.fullmatch(re.sub(r"^\s*(units?|columns?)\s*[:=]\s*", "", cell, flags=re.IGNORECASE))
+        unit = next(filter(None, found.groups()[1:]), "") if found else ""
+        if found and is_unit(unit):
+            for at, name in enumerate(sheet.names):
+                if name.casefold() == found[1].casefold() and not units[at] and not read_name(name).unit:
+                    units[at] = unit
+    return units
+
+
 def _named(sheet: Sheet, preamble: Preamble) -> Sheet:
     """The sheet with names and units that stand in the preamble of the instrument only."""
-    names, units = list(sheet.names), list(sheet.units)
+    names, units = list(sheet.names), _said_of_units(sheet)
     if names[0].casefold() in ("column 1", "x-axis", "source") and units[0].casefold() in ("second", "s", "sec"):
         names[0] = "time"
     if len(names) == 2 and names[1].startswith("column") and preamble.text("source"):

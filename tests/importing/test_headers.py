@@ -62,6 +62,23 @@ def test_a_line_of_the_preamble_is_no_header(tmp_path: Path) -> None:
     assert [one.name for one in source.groups[0].signals] == [f"column {at}" for at in (1, 2, 3, 4)]
 
 
+@pytest.mark.parametrize(
+    "preamble",
+    [
+        "# units: t [s], angle [deg], x [inch]\n",
+        "# t in s\n# angle in deg\n# x in inch\n",
+        "# t: s, angle: deg, x: inch\n",
+        "# columns: t (s), angle (deg), x (inch)\n",
+    ],
+)
+def test_units_in_comments(tmp_path: Path, preamble: str) -> None:
+    """Take the units that comments write behind the names of columns."""
+    file = tmp_path / "a.csv"
+    file.write_text(preamble + "t,angle,x\n" + "".join(",".join(map(str, row)) + "\n" for row in ROWS))
+    (group,) = read_file(file).groups
+    assert [(one.name, one.unit) for one in group.signals] == [("t", "s"), ("angle", "deg"), ("x", "inch")]
+
+
 def test_a_name_with_a_line_break(tmp_path: Path) -> None:
     """Read names between quotation marks that go on in the next line."""
     file = tmp_path / "a.csv"
