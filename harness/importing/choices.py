@@ -24,6 +24,11 @@ _CALIBRATION = re.compile(
 )
 
 
+def is_reading(unit: str) -> bool:
+    """Whether a unit may stand behind the stroke of a calibration."""
+    return bool(re.fullmatch(r"[^\W\d_]+", unit))
+
+
 @dataclass(frozen=True)
 class Chosen:
     """A column, and how its readings become the quantity: factor · (gain · reading + offset).

@@ -13,10 +13,10 @@ from harness.importing.grid import Rows
 # What instruments call the sampling interval; the value is in seconds, whatever the samples' unit.
 _INTERVALS = (
     "sample interval", "sampling interval", "sample period", "sampling period", "increment", "xincrement",
-    "x increment", "hresolution", "horizontal interval", "delta t", "dt", "tdelta",
+    "x increment", "hresolution", "horizontal interval", "delta t", "dt", "tdelta", "tinc",
 )  # fmt: skip
 _RATES = ("sample rate", "sampling rate", "sampling frequency", "samplerate", "abtastrate", "fs")
-_STARTS = ("start", "xorigin", "x origin", "first point", "trigger offset")
+_STARTS = ("start", "xorigin", "x origin", "first point", "trigger offset", "t0")
 _MAKERS = {
     "rigol": "Rigol", "tektronix": "Tektronix", "keysight": "Keysight", "agilent": "Agilent", "siglent": "Siglent",
     "lecroy": "LeCroy", "rohde": "Rohde & Schwarz", "yokogawa": "Yokogawa", "hantek": "Hantek",
@@ -59,6 +59,10 @@ def without_side_preamble(rows: Rows) -> tuple[Rows, tuple[list[str], ...]]:
     if {"start", "increment"} <= set(keys):  # Rigol writes them behind the names, with their values below
         width = keys["start"]
         return [(row, cells[:width]) for row, cells in rows], (first[width:], rows[1][1][width:])
+    behind = next((at for at, cell in enumerate(first) if re.match(r"t0\s*=", cell, re.IGNORECASE)), None)
+    if behind:  # Rigol's DHO series writes `t0 = …` and `tInc = …` behind the names
+        side = tuple([cell] for cell in first[behind:] if cell)
+        return [(rows[0][0], first[:behind]), *rows[1:]], side
     beside = len(first) > _SIDE + 1 and first[0].casefold().startswith("record length")
     if not beside or not all(map(is_number, first[_SIDE : _SIDE + 2])):
         return rows, ()
@@ -110,6 +114,8 @@ def _first(entries: Mapping[str, str], keys: Sequence[str]) -> tuple[float | Non
         found = re.fullmatch(r"([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([A-Za-zµ/]*)", text.strip())
         unit = re.search(r"[\[(](.*?)[\])]", key)
         written = (found[2] if found and found[2] else unit[1] if unit else "").replace("µ", "u").casefold()
+        if found and re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", found[1]):
+            continue  # `1,000 Hz` is 1 Hz or 1000 Hz
         if found and is_number(found[1]) and (not written or written in _UNIT):
             return float(found[1].replace(",", ".")) * _UNIT.get(written, 1.0), key
     return None, ""

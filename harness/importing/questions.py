@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,10 +16,12 @@ class Questions:
 
     Attributes:
         path: of the file that they are about.
+        notes: what was left out when it was read, which may be what is missed.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, notes: Sequence[str] = ()) -> None:
         self.path = path
+        self.notes = tuple(notes)
         self._open: list[Ambiguity] = []
 
     def answer(self, find: Callable[[], T]) -> T | None:
@@ -39,5 +41,6 @@ class Questions:
         if not self._open:
             return
         first, *others = self._open
-        also = " ".join(f"Besides, {str(one).removeprefix(f'{self.path}: ')}" for one in others)
+        besides = [f"Besides, {str(one).removeprefix(f'{self.path}: ')}" for one in others]
+        also = " ".join((*besides, *(f"Note: {note}." for note in self.notes)))
         raise Ambiguity(first.question, first.choices, first.advice, first.role, also)

@@ -28,7 +28,13 @@ def read_file(path: Path) -> SourceFile:
     head = head_of(path)
     if not head.strip():
         raise InputError(f"{path}: is empty. Check that the recording was saved completely.")
-    if head.startswith((b"MATLAB", b"\x00\x00\x00\x00")) or HDF5 in head or path.suffix.lower() == ".mat":
+    binary = head.startswith((b"MATLAB", b"\x00\x00\x00\x00")) or HDF5 in head
+    if not binary and path.suffix.lower() == ".mat" and _is_text(head):
+        raise InputError(
+            f"{path}: text, and no MAT-file. Rename it to .csv or .txt if it is a table; of Octave's text format save "
+            "it again with save('-v7', 'log.mat')."
+        )
+    if binary or path.suffix.lower() == ".mat":
         return read_apart(path)
     if head.startswith(b"PAR1"):
         return read_parquet(path)
@@ -39,3 +45,8 @@ def read_file(path: Path) -> SourceFile:
     if b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise InputError(f"{path}: binary data of an unknown format. Known are {_NAMES}.")
     return read_text(path)
+
+
+def _is_text(head: bytes) -> bool:
+    """Whether the first bytes of a file are text; the last of them may be cut off."""
+    return all(byte >= 0x20 or byte in b"\t\r\n\f" for byte in head)

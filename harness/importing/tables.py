@@ -12,6 +12,7 @@ from harness.importing.bytes import sha256_of
 from harness.importing.cells import measured
 from harness.importing.grid import data_begins, divide, group_of_sheet
 from harness.importing.signals import Group, Signal, SourceFile, group_of, unique_names
+from harness.importing.words import read_name
 
 
 def read_workbook(path: Path) -> SourceFile:
@@ -86,6 +87,7 @@ def read_parquet(path: Path) -> SourceFile:
         raise InputError(f"{path}: cannot be read as Parquet ({type(error).__name__}: {error}).") from None
     signals: list[Signal] = []
     left_out: list[str] = []
+    stamps: list[str] = []
     for name, field in zip(unique_names(table.schema.names), table.schema, strict=True):
         column = table.column(len(signals) + len(left_out))
         metadata = field.metadata or {}
@@ -94,8 +96,9 @@ def read_parquet(path: Path) -> SourceFile:
             "",
         )
         kind = field.type
-        if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
-            ticks = column.cast(pa.int64()).to_numpy().astype(np.float64)
+        if pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_time(kind):
+            stamps.append(name)
+            ticks = column.cast(pa.int32() if pa.types.is_time32(kind) else pa.int64()).to_numpy().astype(np.float64)
             factor = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[kind.unit]
             first = ticks[np.isfinite(ticks)][:1]
             signals.append(Signal(name, (ticks - (first[0] if len(first) else 0.0)) * factor, "s", "its type"))
@@ -107,4 +110,6 @@ def read_parquet(path: Path) -> SourceFile:
     if not signals or not len(signals[0].values):
         raise InputError(f"{path}: a Parquet file without columns of numbers.")
     notes = (f"columns of other types left out: {', '.join(left_out)}",) if left_out else ()
-    return SourceFile(path, sha256_of(path), "Parquet", (group_of("", signals),), notes)
+    named = [one.name for one in signals if read_name(one.name).kind == "time"]
+    time = stamps[0] if len(stamps) == 1 and not named else None  # such as the index of a table in pandas
+    return SourceFile(path, sha256_of(path), "Parquet", (group_of("", signals, time=time),), notes)

@@ -89,7 +89,8 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
     path = sources[0].path
     groups = _groups(sources)
     linkage = None if options.linkage is None else parse_linkage(options.linkage)
-    questions = Questions(path)
+    read = [note for one in sources for note in one.notes]
+    questions = Questions(path, read)
     angle_at = questions.answer(lambda: find(path, "angle", groups, options))
     taken = None if angle_at is None else angle_at.signal
     position_at = questions.answer(lambda: find(path, "position", groups, options, taken=taken))
@@ -107,7 +108,7 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
         raise InputError(f"{path}: '{angle_at.name}' is given as angle and as position. Choose two columns.")
     if angle_at.signal.name == times.name:
         raise InputError(f"{path}: '{angle_at.name}' is given as time and as angle. Choose two columns.")
-    notes = [note for one in sources for note in one.notes]
+    notes = list(read)
     together = position_at is None or position_at.group is angle_at.group
     position_times = times if together or position_at is None else times_of(path, position_at.group, groups, options)
     if position_at is not None and position_at.signal.name == position_times.name:
@@ -143,7 +144,8 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
             flipped.append("angle" if role == "angle" else "position")
     angle = -angle if options.flip_angle else angle
     position = -position if options.flip_position else position
-    sign, checked = _sign(path, evidence_of(time, angle, position, gravity=options.gravity), options)
+    evidence = evidence_of(time, angle, position, gravity=options.gravity)
+    sign, checked = _sign(path, evidence, options, position_at, scales.get("position"))
     if abs(time[0]) > LATEST or (times.chosen is None and "date" in times.unit_from):
         notes.append(f"time counted from the first row, whose stamp is {time[0]:.6f} s")
         time = time - time[0]
@@ -191,7 +193,9 @@ def _column(
     return stamped, time[stamped], values[stamped]
 
 
-def _sign(path: Path, evidence: Evidence, options: Options) -> tuple[str, bool]:
+def _sign(
+    path: Path, evidence: Evidence, options: Options, position_at: Found | None, scale: Scale | None
+) -> tuple[str, bool]:
     """What the data say of the signs.
 
     Raises:
@@ -208,6 +212,13 @@ def _sign(path: Path, evidence: Evidence, options: Options) -> tuple[str, bool]:
         return f"right: {evidence}; a positive angle accelerates the ball towards +s", True
     if options.keep_signs:
         return f"kept, against the data: {evidence}", True
+    advice = ""
+    if position_at is not None and scale is not None and (scale.gain, scale.offset) == (1.0, 0.0):
+        length = f"{1.0 / scale.factor:g}"
+        advice = (
+            "Where the distance counts from the other end, subtract it from the length between both, such as "
+            f"{length} {scale.unit}: --position '{position_at.name}:-1 {scale.unit}+{length}'."
+        )
     raise Ambiguity(
         f"{path}: {evidence}: a positive angle must accelerate the ball towards +s, so that one sign is reversed.",
         (
@@ -217,6 +228,7 @@ def _sign(path: Path, evidence: Evidence, options: Options) -> tuple[str, bool]:
             ),
             Choice({"keep_signs": True}, "--keep-signs", "leave both as they are"),
         ),
+        advice,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.errors import InputError
-from harness.importing.choices import Ambiguity, Choice
+from harness.importing.choices import Ambiguity, Choice, is_reading
 from harness.importing.columns import Found
 from harness.importing.physics import Evidence, is_usual
 from harness.importing.words import ROLES, UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
@@ -89,7 +89,8 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
     what = f"is in {unit}" if unit else "is an input of an oscilloscope, in V"
     si = CANDIDATES[role][0]
     per = unit or "V"
-    example = f"--{role} '{found.name}:0.125 {si}/{per}+0.01'"
+    reading = f"/{per}" if is_reading(per) else ""  # `%` or `deg/s` would not be understood there
+    example = f"--{role} '{found.name}:0.125 {si}{reading}+0.01'"
     raise Ambiguity(
         f"{path}: '{found.name}' {what}, which is no unit of the {role}.",
         (),

@@ -96,6 +96,9 @@ def test_segments_whose_times_cannot_be_told(tmp_path: Path, second: str, told: 
         ([["Sample Rate (Hz)", "250"]], 4e-3),
         ([["X", "CH1", "Start", "Increment"], ["Sequence", "Volt", "-6.0", "1.0e-02"]], 0.01),
         ([["Sample Interval: 0.02"]], 0.02),
+        ([["Abtastrate: 100,0 Hz"]], 0.01),
+        ([["Sample rate: 1,000 Hz"]], None),
+        ([["t0 =-6.0e+00"], ["tInc = 1.000000e-02"]], 0.01),
         ([["Record Length", "2500"]], None),
         ([["Sample Interval", "0"]], None),
         ([["Sample Interval", "three"]], None),
@@ -111,6 +114,20 @@ def test_a_start_that_counts_samples(tmp_path: Path) -> None:
     (group,) = read_file(made.rigol(tmp_path / "a.csv")).groups
     assert (group.step, group.start) == (0.01, -6.0)
     assert [one.name for one in group.signals] == ["CH1", "CH2"]
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+def test_a_start_behind_the_names(tmp_path: Path, stamped: bool) -> None:
+    """Read `t0` and `tInc` of Rigol's DHO series, with and without a column of times."""
+    time, *_ = made.truth()
+    file = tmp_path / "a.csv"
+    head = ("Time(s)," if stamped else "") + "CH1(V),CH2(V),t0 =-6.000000e+00, tInc = 1.000000e-02,\n"
+    rows = zip(time, *made.volts(), strict=True)
+    file.write_text(head + "".join((f"{t - 6.0:.6e}," if stamped else "") + f"{a:.6e},{s:.6e}\n" for t, a, s in rows))
+    chosen = Options(angle="CH1(V):0.05 rad/V", position="CH2(V):0.125 m/V-0.1")
+    understood = understand([read_file(file)], chosen)
+    np.testing.assert_allclose(understood.time, time - 6.0, atol=5e-6)
+    np.testing.assert_allclose(understood.angle, made.truth()[1], atol=1e-6)
 
 
 def test_numbers_of_channels_are_their_names(tmp_path: Path) -> None:

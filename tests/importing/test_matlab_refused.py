@@ -153,3 +153,11 @@ def test_paths_are_those_of_the_current_folder(tmp_path: Path, monkeypatch: pyte
         (tmp_path / name).mkdir()
         monkeypatch.chdir(mat.save(tmp_path / name / f"{name}.mat", {"t": TIME}).parent)
         assert read_file(Path(f"{name}.mat")).path == Path(f"{name}.mat")
+
+
+def test_text_with_the_name_of_a_mat_file(tmp_path: Path) -> None:
+    """Say that it is text, and what to do."""
+    file = tmp_path / "log.mat"
+    file.write_text("# Created by Octave 8.4\n# name: t\n# type: matrix\n 0\n 1\n")
+    with pytest.raises(InputError, match=r"text, and no MAT-file\. Rename it to \.csv"):
+        read_file(file)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +90,36 @@ def test_a_unit_that_only_size_would_tell_is_asked_for() -> None:
         understand([file], Options())
     assert [one.typed for one in caught.value.choices] == ["--position 'x:m'"]
     assert understand([file], Options(position="x:m")).lines[0].unit == "s"
+
+
+@pytest.mark.parametrize("unit", ["%", "deg/s", "counts", "V"])
+def test_a_suggested_calibration_is_understood(unit: str) -> None:
+    """Suggest none that the option refuses."""
+    time, angle, position = made.truth()
+    file = source(("t_s", time), (f"tilt ({unit})", angle), ("x_m", position))
+    with pytest.raises(Ambiguity, match=f"is in {re.escape(unit)}, which is no unit of the angle") as caught:
+        understand([file], Options())
+    (given,) = re.findall(r"--angle '([^']+)'", caught.value.advice)
+    assert ("/" in given.split(":")[1]) == unit.isalpha()
+    understand([file], Options(angle=given, keep_signs=True))
+
+
+def test_the_origin_is_offered_with_the_sign() -> None:
+    """Turn a distance from the other end, as the message says, into one from this end."""
+    time, angle, position = made.truth()
+    file = source(("t_s", time), ("angle_rad", angle), ("distance_cm", 100.0 * (1.0 - position)))
+    with pytest.raises(Ambiguity, match="one sign is reversed") as caught:
+        understand([file], Options())
+    (given,) = re.findall(r"--position '([^']+)'", caught.value.advice)
+    assert given == "distance_cm:-1 cm+100"
+    agrees(understand([file], Options(position=given)))
+
+
+def test_what_was_left_out_is_told_with_a_question() -> None:
+    """Name the columns that were left out when the file was read where one is missed."""
+    file = replace(source(("t_s", made.truth()[0]), ("y", made.truth()[1])), notes=("columns of words left out: tilt",))
+    with pytest.raises(Ambiguity, match=r"no column is called .* Note: columns of words left out: tilt\."):
+        understand([file], Options())
 
 
 @pytest.mark.parametrize("every", [1, 4, 10, 25])
