@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from analytic.naming import did_you_mean
+from harness.api.asking import Ask, changed, repeated, understood_with
 from harness.api.case import Case, load_case
 from harness.api.outputs import sealed_json
 from harness.api.writing import all_or_nothing, hashes_of, settle, written
 from harness.errors import InputError
-from harness.importing import Ambiguity, Choice, Options, SourceFile, Understood, read_file, understand
+from harness.importing import Options, Understood, read_file
 from harness.importing.case_text import Role, described, recording_text, rig_text, with_recordings
 from harness.provenance import versions
 from harness.recording.case import RIG_FILE
@@ -33,8 +34,6 @@ ROLES: Mapping[Role, str] = {
 }
 """What each role of a recording means."""
 
-Ask = Callable[[Ambiguity], Choice]
-
 
 @dataclass(frozen=True, repr=False)
 class Imported(Summarised):
@@ -44,14 +43,14 @@ class Imported(Summarised):
         folder: of the case.
         recordings: how each was understood, by the name of its file in the case.
         case: as it was loaded from the folder.
-        answers: what was asked and answered, as options of the command.
+        answers: what was asked and answered, as options of the command, by the name of the file in the case.
         role: of the recordings in the case, `identify` or `predict`.
     """
 
     folder: Path
     recordings: Mapping[str, Understood]
     case: Case
-    answers: tuple[str, ...] = ()
+    answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     role: Role = "identify"
 
     def summary(self) -> Summary:
@@ -71,13 +70,24 @@ class Imported(Summarised):
             lines += [f"{name}: note: {note}" for note in one.notes]
         lines.append(f"{' and '.join(self.recordings)}: {ROLES[self.role]}")
         lines += [str(one) for one in warnings_of(self.case.findings)]
-        if self.answers:
-            lines.append(f"to import it again without questions, add: {' '.join(self.answers)}")
+        lines += self._again()
         unknown = [f"[{table}] {key}" for table, key in self._unknown()]
         if unknown:
             lines.append(f"not known, write it into {self.folder / RIG_FILE} if you know it: {', '.join(unknown)}")
         lines.append(f"next: harness diagnose {self.folder}    or: harness run {self.folder}")
         return Summary(f"case: {self.folder} ({', '.join(self.recordings)})", lines, tables)
+
+    def _again(self) -> list[str]:
+        """What asks nothing the next time: one text for all files only where all were answered alike."""
+        if len(set(self.answers.values())) == 1:
+            (shared,) = set(self.answers.values())
+            return [f"to import it again without questions, {changed(shared)}"] if shared else []
+        return [
+            f"{name}: to import {' and '.join(one.path.name for one in self.recordings[name].sources)} again without "
+            f"questions, in a command of its own, {changed(answers)}"
+            for name, answers in self.answers.items()
+            if answers
+        ]
 
     def _unknown(self) -> list[tuple[str, str]]:
         rig = self.case.rig
@@ -159,38 +169,19 @@ def import_recording(
     )  # fmt: skip
     sources = [read_file(path) for path in paths]
     understood = []
-    answers: list[str] = []
+    answered = []
     for group in [tuple(sources)] if join else [(one,) for one in sources]:
-        one, options = _understand(group, options, ask, answers)
+        one, answers = understood_with(ask, group, options)
         understood.append(one)
-    command = " ".join((command, *answers))
+        answered.append(answers)
+    command = repeated(command, [one.sources[0].path.name for one in understood], answered)
     if into is not None:
         folder = Path(into)
         recordings = _add(folder, understood, paths, role=role, command=command)
     else:
         folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
         recordings = _write(folder, understood, paths, quantities, origin=origin, command=command, force=force)
-    return Imported(folder, recordings, load_case(folder), tuple(answers), role)
-
-
-def _understand(
-    group: tuple[SourceFile, ...], options: Options, ask: Ask | None, answers: list[str]
-) -> tuple[Understood, Options]:
-    """The recording, and the options with what was asked, which also hold for the next one.
-
-    Args:
-        answers: filled with what was asked and answered, as options of the command.
-    """
-    while True:
-        try:
-            return understand(group, options), options
-        except Ambiguity as ambiguity:
-            if ask is None:
-                raise
-            answer = ask(ambiguity)
-            options = replace(options, **answer.options)
-            option = answer.typed.split()[0]
-            answers[:] = [one for one in answers if one.split()[0] != option] + [answer.typed]
+    return Imported(folder, recordings, load_case(folder), dict(zip(recordings, answered, strict=True)), role)
 
 
 def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:

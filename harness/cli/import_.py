@@ -117,16 +117,27 @@ def _ask(ambiguity: Ambiguity) -> Choice:
     click.echo(printable(ambiguity.question), err=True)
     if not ambiguity.choices:
         click.echo(printable(ambiguity.advice), err=True)
-        text = click.prompt(f"--{ambiguity.role}", err=True)
+        text = _prompted(ambiguity, f"--{ambiguity.role}")
         return Choice({ambiguity.role: text}, f"--{ambiguity.role} {shlex.quote(text)}", "typed")
     for number, one in enumerate(ambiguity.choices, start=1):
         click.echo(f"  {number}: {printable(one.typed)}  ({printable(one.text)})", err=True)
     if ambiguity.advice:
         click.echo(f"  (or stop with 0: {printable(ambiguity.advice)})", err=True)
-    answer = click.prompt("which", type=click.IntRange(0, len(ambiguity.choices)), err=True)
+    answer = _prompted(ambiguity, "which", click.IntRange(0, len(ambiguity.choices)))
     if answer == 0:
         raise ambiguity
     return ambiguity.choices[answer - 1]
+
+
+def _prompted(ambiguity: Ambiguity, text: str, type_: click.ParamType | None = None) -> Any:
+    """What the user types; at the end of the input (Ctrl-D) the question is an error like any other."""
+    try:
+        return click.prompt(text, type=type_, err=True)
+    except click.Abort as abort:
+        click.echo(err=True)
+        if isinstance(abort.__context__, EOFError):
+            raise ambiguity from None
+        raise KeyboardInterrupt from None
 
 
 def _values(texts: Iterable[str]) -> dict[str, float]:

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import pty
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -266,33 +262,3 @@ def test_bad_options_are_told(tmp_path: Path, options: tuple[str, ...], told: st
     assert done.exit_code == 2
     assert told in " ".join(done.stderr.split())
     assert not (tmp_path / "case").exists()
-
-
-@pytest.mark.parametrize(
-    ("name", "answers", "asked_for", "typed"),
-    [
-        ("free.txt", "1\n", "1: --angle 'theta'  (it is the beam's angle)", "--angle 'theta'"),
-        (
-            "rigol.csv",
-            "1\n1\nCH1:0.05 rad/V\nCH2:0.125 m/V-0.1\n",
-            "1: --position 'CH2'",
-            "--position 'CH2:0.125 m/V-0.1'",
-        ),
-    ],
-)
-def test_a_terminal_is_asked(tmp_path: Path, name: str, answers: str, asked_for: str, typed: str) -> None:
-    """Ask on a terminal, take numbers and calibrations for answers, and tell the options that stand for them."""
-    file = made.FILES[name][0](tmp_path / name)
-    parent, child = pty.openpty()
-    command = [sys.executable, "-m", "harness", "import", str(file), "--out", str(tmp_path / "case")]
-    with subprocess.Popen(command, stdin=child, stdout=subprocess.PIPE, stderr=child, text=True) as process:
-        os.close(child)
-        os.write(parent, answers.encode())
-        shown, _ = process.communicate(timeout=60)
-    asked = os.read(parent, 4096).decode()
-    os.close(parent)
-    assert process.returncode == 0
-    assert asked_for in asked
-    assert typed in next(line for line in shown.splitlines() if "without questions" in line)
-    assert typed in json.loads((tmp_path / "case" / "import.json").read_text())["command"]
-    assert load_case(tmp_path / "case").recordings
