@@ -73,6 +73,7 @@ class Signals:
         rig: what is known of it.
         units: columns as they are named in advice, such as `beam_angle_deg`, which the recording has.
         sensors: what is declared of them.
+        filled: true where the angle was blank and is interpolated; empty if nowhere.
     """
 
     time: FloatArray
@@ -82,6 +83,7 @@ class Signals:
     rig: KnownRig = field(default_factory=KnownRig)
     units: Collection[str] = ()
     sensors: Sensors = field(default_factory=Sensors)
+    filled: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     @property
     def gravity(self) -> float:
@@ -251,8 +253,9 @@ def _constant(signals: Signals) -> Iterator[Implausible]:
 
 
 def _quantisation(signals: Signals) -> Iterator[Implausible]:
+    read = signals.angle[~signals.filled] if len(signals.filled) else signals.angle  # the others are no multiples
     for name, unit, values, declared in (
-        ("angle", "rad", signals.angle, signals.sensors.angle_resolution),
+        ("angle", "rad", read, signals.sensors.angle_resolution),
         ("position", "m", signals.position, signals.sensors.position_resolution),
     ):
         if declared is None or len(np.unique(values[np.isfinite(values)])) < MIN_LEVELS:

@@ -100,6 +100,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     time, bunched = evened(path, time, [channels[name] for name in ("angle", "position") if name in channels])
     time, rows, channels, merged = merge_duplicates(path, time, table.rows, channels)
     check_length(path, columns["time"].header, time, len(table.rows))
+    filled = ~np.isfinite(channels["angle"])
     angle, bridged = bridge_angle(path, columns["angle"].header, time, channels["angle"], rows)
     position = channels.get("position", np.full(len(time), np.nan))
     velocity = channels.get("velocity")
@@ -124,7 +125,7 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     outlier, mask = outlier[aside.kept], aside.mask[aside.kept].copy()
     velocity = None if velocity is None else velocity[aside.kept].copy()
     names = [QUANTITIES[name].named(one.factor) for name, one in columns.items()]
-    signals = Signals(time, angle, position, outlier | mask, rig, names, sensors)
+    signals = Signals(time, angle, position, outlier | mask, rig, names, sensors, filled[aside.kept])
     findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
     for array in (time, angle, position, outlier, mask, cut, *([] if velocity is None else [velocity])):
         array.setflags(write=False)

@@ -146,6 +146,15 @@ def test_declared_resolution() -> None:
     assert "finer" in implausible(replace(sound, sensors=Sensors(position_resolution=1e-3)))[0].text
 
 
+def test_interpolated_angles_have_no_resolution() -> None:
+    """Compare the declared step with the angles that were read, and not with those between them."""
+    sound = signals()
+    filled = np.arange(len(sound.time)) % 3 == 1
+    between = np.interp(sound.time, sound.time[~filled], sound.angle[~filled])
+    declared = Sensors(angle_resolution=1.6e-4)
+    assert implausible(replace(sound, angle=between, sensors=declared, filled=filled)) == []
+
+
 def test_unknown_positions_silence_physics() -> None:
     """Without positions, check only the magnitude of the angle."""
     sound = signals()
