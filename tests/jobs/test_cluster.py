@@ -135,7 +135,9 @@ def test_a_tuning_is_that_of_this_machine(executor: Executor, tmp_path: Path) ->
     experiment = Experiment(hidden=hidden, duration=9.0, rate=25.0, counts=4096, predict=0, seed=501)
     write_case(tmp_path / "case", experiment)
     problem, settings = problem_of(load_case(tmp_path / "case")), {"time_step": 3e-3}
-    here = tune(problem, engine_of("mujoco"), settings, ["friction"], jobs=2)
+    # Its processes have one thread for linear algebra, as commands and workers have: more of them round otherwise,
+    # and a fit of a ball that slides now and then is sensitive to the last digit.
+    here = tune(problem, engine_of("mujoco"), settings, ["friction"], executor=Local(2))
     there = tune(problem, engine_of("mujoco"), settings, ["friction"], executor=executor)
     assert here.selection.pays == ("friction",)
     assert there.settings == here.settings
