@@ -119,7 +119,7 @@ def _quoted(
         except csv.Error:
             continue
         return [" ".join(cell.split("\n")) for cell in cells], reader.line_num - 1
-    raise InputError(f"{path}, row {number}: a quotation mark is not closed. Close or remove it.") from None
+    raise InputError(f"{path}, row {number}: a quotation mark is not closed. Close or remove it.")
 
 
 def _said_of_units(sheet: Sheet) -> list[str]:

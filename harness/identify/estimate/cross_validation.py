@@ -1,7 +1,7 @@
 """Cross-validation of a hypothesis over seconds: fitted to free runs without a block of a recording, which it predicts.
 
 The errors of held-out blocks are the evidence; they also choose the process noise with which the filter predicts, and
-widen the band of its predictions to what they are.
+scale the band of the predictions of what was found.
 """
 
 from __future__ import annotations
@@ -34,33 +34,48 @@ def cross_validated(problem: Problem, whole: Fit, *, jobs: int = 1) -> Fit:
         whole: to all windows.
         jobs: processes for the folds.
     """
-    folds = [list(group) for _, group in groupby(blocks_of(problem.recordings), key=lambda block: block.group)]
-    made = side_by_side([partial(_without, problem, whole, fold) for fold in folds], jobs)
-    of_blocks = np.concatenate([errors for _, errors in made])
+    made = side_by_side([partial(_without, problem, whole, fold) for fold in _folds(problem)], jobs)
+    of_blocks = np.concatenate(made)
     means = np.mean(of_blocks, axis=0)
     best = int(np.flatnonzero(means <= (1.0 + problem.settings.held_out_rival) * means.min())[-1])
     density = float(DENSITIES[best])
-    parts = [replace(part, process_noise=density) for part, _ in made]
-    ratios = side_by_side([partial(_ratios, problem, *each) for each in zip(parts, folds, strict=True)], jobs)
     return replace(
         whole,
         process_noise=density,
         deviance=deviance(problem, whole.terms, density),
         held_out=tuple(of_blocks[:, best].tolist()),
-        band=widened(list(chain.from_iterable(ratios))) / TWO_SIDED,
     )
 
 
-def _without(problem: Problem, whole: Fit, blocks: Sequence[Block]) -> tuple[Fit, FloatArray]:
-    """The fit without blocks that are held out together, and their errors, shape (blocks, densities) [m]."""
+def with_band(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
+    """A cross-validated fit with the band of its predictions.
+
+    It takes as long as the cross-validation itself, and is asked of one fit of all that are cross-validated.
+
+    Args:
+        jobs: processes for the folds.
+    """
+    ratios = side_by_side([partial(_ratios, problem, found, fold) for fold in _folds(problem)], jobs)
+    return replace(found, band=widened(list(chain.from_iterable(ratios))) / TWO_SIDED)
+
+
+def _folds(problem: Problem) -> list[list[Block]]:
+    """Blocks that are held out together, in the order of all blocks."""
+    return [list(group) for _, group in groupby(blocks_of(problem.recordings), key=lambda block: block.group)]
+
+
+def _without(problem: Problem, whole: Fit, blocks: Sequence[Block]) -> FloatArray:
+    """Errors of blocks that are held out together, by a fit without them, shape (blocks, densities) [m]."""
     part = fit_without(problem, whole, blocks[0].fitted)
     by_density = errors_by_density(problem, part, [window for block in blocks for window in block.held_out])
     ends = np.cumsum([len(block.held_out) for block in blocks])[:-1]
-    return part, np.array([np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)])
+    return np.array([np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)])
 
 
-def _ratios(problem: Problem, part: Fit, blocks: Sequence[Block]) -> list[FloatArray]:
-    """Sizes of the errors of each block over their deviations, shape (readings of the block,) each [1]."""
+def _ratios(problem: Problem, found: Fit, blocks: Sequence[Block]) -> list[FloatArray]:
+    """Sizes of these errors over their deviations, with the process noise of `found`, shape (readings of the block,)
+    each [1]."""
+    part = replace(fit_without(problem, found, blocks[0].fitted), process_noise=found.process_noise)
     return [np.abs(normalised_errors(problem, part, block.held_out)) for block in blocks]
 
 

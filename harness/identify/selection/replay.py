@@ -175,7 +175,7 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
 def _refitted(recorded: Fit, problem: Problem) -> Fit:
     """The fit re-optimised from its recorded parameters, or the same fit if its deviance does not decrease.
 
-    A fit to free runs is cross-validated anew.
+    A fit to free runs is cross-validated anew; no decision depends on its band.
     """
     if recorded.estimator is Estimator.FREE_RUNS:
         return cross_validated(problem, recorded)

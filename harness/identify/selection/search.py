@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.failures import Failures
+from harness.identify.estimate.cross_validation import with_band
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -46,7 +47,7 @@ def search(
 
     Args:
         failures: collects candidates and steps that raise, without which the search goes on; `None` lets them raise.
-        jobs: processes for the search by held-out errors (`harness.parallel`).
+        jobs: processes for the search by held-out errors and for the band of predictions (`harness.parallel`).
     """
     ledger = Ledger(Criterion(problem.settings), failures)
     base = fit(problem, Hypothesis(problem.unknown))
@@ -72,6 +73,9 @@ def search(
             lambda: search_by_held_out_errors(problem, *chosen, ledger, progress, jobs=jobs),
             chosen,
         )
+    if found.held_out:
+        plain = found
+        found = ledger.attempt("band of predictions", lambda: with_band(problem, plain, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))
 
 

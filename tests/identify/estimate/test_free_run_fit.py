@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate import free_run_fit
-from harness.identify.estimate.cross_validation import cross_validated, widened
+from harness.identify.estimate.cross_validation import cross_validated, widened, with_band
 from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.forecast import forecast
 from harness.identify.estimate.free_run_fit import fit_free_runs
@@ -99,7 +99,7 @@ def test_held_out_blocks_are_predicted_better_with_what_acts(pair: Problem) -> N
 def test_the_band_holds_held_out_readings(pair: Problem) -> None:
     """Widen or narrow the foreseen deviations so that 95 % of the readings lie within 1.96 of them."""
     fit = fit_free_runs(pair, Hypothesis(()), fitted_windows(pair.recordings)).fit
-    found = cross_validated(pair, fit)
+    found = with_band(pair, cross_validated(pair, fit))
     errors = np.abs(normalised_errors(pair, found, windows_of(pair.recordings, 1.0))) / found.band
     # the same windows, predicted in sample: a little better than held out
     assert 0.93 < np.mean(errors < TWO_SIDED) < 0.99
@@ -140,7 +140,7 @@ def test_a_band_of_few_blocks_holds_95_percent_of_a_further_one(blocks: int) -> 
 
 def test_a_refit_is_made_by_the_same_estimator(pair: Problem) -> None:
     """Fit one recording as both were fitted, with the process noise and the band of those."""
-    found = cross_validated(pair, fit_free_runs(pair, PAIR, fitted_windows(pair.recordings)).fit)
+    found = with_band(pair, cross_validated(pair, fit_free_runs(pair, PAIR, fitted_windows(pair.recordings)).fit))
     one = refit(replace(pair, recordings=pair.recordings[:1]), found)
     assert one.estimator is Estimator.FREE_RUNS
     assert (one.process_noise, one.band) == (found.process_noise, found.band)
