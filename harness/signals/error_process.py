@@ -30,12 +30,13 @@ _ROOT_INVERSE = np.linalg.inv(_ROOT)
 
 
 class ErrorProcess(NamedTuple):
-    """Error (e, ė, ë) of a signal at n stamps: e₊ = A e + B u, u ~ N(0, I).
+    """Error (e, ė, ë) of a signal at n stamps, and what else it goes on from, all m numbers z: z₊ = A z + B u,
+    u ~ N(0, I).
 
     Attributes:
-        covariance: at each stamp, shape (n, 3, 3).
-        transition: A of each step, shape (n − 1, 3, 3).
-        root: B of each step, shape (n − 1, 3, 3).
+        covariance: at each stamp, shape (n, m, m).
+        transition: A of each step, shape (n − 1, m, m).
+        root: B of each step, shape (n − 1, m, k), k <= m.
     """
 
     covariance: FloatArray
@@ -47,7 +48,7 @@ class ErrorProcess(NamedTuple):
         return ErrorProcess(gain * gain * self.covariance, self.transition, abs(gain) * self.root)
 
     def inflated(self, factor: FloatArray) -> ErrorProcess:
-        """That of an e whose variance is `factor` times as large at each stamp, while those of ė and ë stay.
+        """That of an e whose variance is `factor` times as large at each stamp, while those of ė and ë stay; m = 3.
 
         Args:
             factor: shape (n,) [1].
@@ -65,8 +66,9 @@ class ErrorProcess(NamedTuple):
         return ErrorProcess(*(part[first:end] for part, end in zip(self, (last, last - 1, last - 1), strict=True)))
 
     def at(self, stamps: NDArray[np.int64]) -> ErrorProcess:
-        """That at some of its stamps, ascending numbers of them, shape (m,)."""
-        transition, root = np.empty((len(stamps) - 1, 3, 3)), np.empty((len(stamps) - 1, 3, 3))
+        """That at some of its stamps, ascending numbers of them, shape (j,)."""
+        shape = (len(stamps) - 1, *self.transition.shape[1:])
+        transition, root = np.empty(shape), np.empty(shape)
         _compose(self.transition, self.root, stamps, transition, root)
         return ErrorProcess(self.covariance[stamps], transition, root)
 
@@ -75,16 +77,18 @@ class ErrorProcess(NamedTuple):
 def _compose(
     each: FloatArray, each_root: FloatArray, stamps: NDArray[np.int64], transition: FloatArray, root: FloatArray
 ) -> None:
-    """Fill `transition` and `root` with those of all steps between two of `stamps` together, shape (m − 1, 3, 3)."""
+    """Fill `transition` and `root` with those of all steps between two of `stamps` together, shape (j − 1, m, m)."""
+    size, sources = each_root.shape[1:]
     for k in range(len(stamps) - 1):
         count = stamps[k + 1] - stamps[k]
-        A, roots = np.eye(3), np.zeros((3 * count, 3))  # of each step, transposed, as it acts at the end
+        A, roots = np.eye(size), np.zeros((max(sources * count, size), size))  # of each step, transposed, as at the end
         for i in range(count):
             step = stamps[k] + i
             carried = np.ascontiguousarray(each[step].T)
             A = A @ carried
-            roots[: 3 * i] = roots[: 3 * i] @ carried
-            roots[3 * i : 3 * i + 3] = each_root[step].T
+            before = sources * i
+            roots[:before] = roots[:before] @ carried
+            roots[before : before + sources] = each_root[step].T
         transition[k] = A.T
         root[k] = np.linalg.qr(roots)[1].T
 

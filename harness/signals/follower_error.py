@@ -3,8 +3,7 @@
 Behind T₂ b̈ + T ḃ + b = e the error e of the measured angle is smoothed: rounding that changes from count to count
 hardly reaches the beam. Between two stamps e is taken for the quintic of (e, ė, ë) at both, as the angle itself is.
 Then b and ḃ at the later stamp are linear in those and in b and ḃ at the earlier one, and (e, ė, ë, b, ḃ) is a
-Gauss–Markov process. That of (b, ḃ, b̈) alone is the one with the same covariances at each stamp and between
-neighbouring ones.
+Gauss–Markov process; so is (b, ḃ, b̈, ė, ë), as e = T₂ b̈ + T ḃ + b.
 """
 
 from __future__ import annotations
@@ -40,18 +39,22 @@ _POINTS, _SHARES = 0.5 * (1.0 + _ROOTS), 0.5 * _WEIGHTS
 _AT_POINTS = np.vander(_POINTS, 6, increasing=True) @ _QUINTIC
 _LONG = 5.0  # lag over step, above which these points integrate the response; below it the series behaves well
 _DAMPED = 0.1  # least root of `square` over lag: what is quicker is a first-order lag here
+_LEAST = 1e-6  # of a lag, as of the motion behind it [s]
 _ALIKE = 1e-9  # steps that differ by less are one [s]
-_LEAST = 1e-8  # part of a number of the state that the ones before do not tell, below which it is rounding [1]
 
 
 def behind_follower(error: ErrorProcess, stamps: FloatArray, follower: Follower) -> ErrorProcess:
     """The error of the angle of a beam that has settled behind another one at the first stamp.
 
     Args:
-        error: of the angle that is followed.
+        error: of the angle that is followed, m numbers; that of the beam has m + 2.
         stamps: at which both are, shape (n,) [s].
     """
-    made = ErrorProcess(*(np.empty_like(part) for part in error))
+    if follower.lag < _LEAST:
+        return error
+    (n, m, _), sources = error.covariance.shape, error.root.shape[2]
+    size = m + 2
+    made = ErrorProcess(np.empty((n, size, size)), np.empty((n - 1, size, size)), np.empty((n - 1, size, sources)))
     square = max(follower.square, (_DAMPED * follower.lag) ** 2)
     _pass_on(np.diff(stamps), *error, follower.lag, square, *made)
     return made
@@ -105,64 +108,52 @@ def _pass_on(
     transition: FloatArray,
     root: FloatArray,
 ) -> None:
-    """Fill covariance, transition and root of the beam's error from those of the angle: `known`, `forgets`, `draws`."""
-    P, L = np.zeros((5, 5)), np.zeros((6, 6))  # roots: of the five, and of b, ḃ, b̈ at both stamps of a step
-    F, M, both, response = np.zeros((5, 5)), np.zeros((5, 8)), np.zeros((6, 8)), np.empty((2, 8))
-    root_of(known[0], P, 0)
-    for c in range(3):
-        P[3, c], P[4, c] = P[0, c] - lag * P[1, c], P[1, c]
-    _seen(P, lag, square, both, 0)
-    _square(both[:3], covariance[0])
+    """Fill covariance, transition and root of the beam's error from those of the angle: `known`, `forgets`, `draws`.
+
+    With z, shape (m,), of the angle, the rows of z, b, ḃ at the later stamp by those at the earlier one come first, then
+    those of what goes on, (b, ḃ, b̈) and z without e.
+    """
+    m, sources = forgets.shape[1], draws.shape[2]
+    P, M = np.zeros((m + 2, m + 2)), np.zeros((m + 2, m + 2 + sources))
+    rows, noise, response = np.zeros((m + 2, m + 2)), np.zeros((m + 2, sources)), np.empty((2, 8))
+    of_known = np.zeros((m, m))
+    root_of(known[0], of_known, 0)
+    rows[:m, :m] = of_known
+    rows[m, :m], rows[m + 1, :m] = of_known[0] - lag * of_known[1], of_known[1]
+    _seen(rows, lag, square, M[:, : m + 2])
+    covariance[0] = M @ M.T
+    triangular(M, P)
     h = 0.0
     for k in range(len(steps)):
         if abs(steps[k] - h) > _ALIKE:
             h = steps[k]
             _respond(h, lag, square, response)
-        for c in range(3):
-            for i in range(3):
-                F[i, c], M[i, 5 + c] = forgets[k, i, c], draws[k, i, c]
-            for i in range(2):
-                F[3 + i, c], M[3 + i, 5 + c] = response[i, c], 0.0
-                for a in range(3):
-                    F[3 + i, c] += response[i, 5 + a] * forgets[k, a, c]
-                    M[3 + i, 5 + c] += response[i, 5 + a] * draws[k, a, c]
-        for c in range(2):
-            for i in range(2):
-                F[3 + i, 3 + c] = response[i, 3 + c]
-        for i in range(5):
-            for c in range(5):
-                M[i, c] = 0.0
-                for a in range(5):
-                    M[i, c] += F[i, a] * P[a, c]
-        both[:] = 0.0
-        _seen(P, lag, square, both, 0)
-        _seen(M, lag, square, both, 3)
-        _square(both[3:], covariance[k + 1])
-        triangular(both, L)
-        for i in range(3):
-            for c in range(2, -1, -1):  # what the state before tells
-                total = L[3 + i, c]
-                for a in range(c + 1, 3):
-                    total -= transition[k, i, a] * L[a, c]
-                tells = L[c, c] > _LEAST * math.sqrt(covariance[k, c, c])
-                transition[k, i, c] = total / L[c, c] if tells else 0.0
-                root[k, i, c] = L[3 + i, 3 + c] if c <= i else 0.0
+        rows[:] = 0.0
+        rows[:m, :m], noise[:m] = forgets[k], draws[k]
+        rows[m:, m:], rows[m:, :3], noise[m:] = response[:, 3:5], response[:, :3], 0.0
+        for i in range(2):
+            for a in range(3):
+                rows[m + i, :m] += response[i, 5 + a] * forgets[k, a]
+                noise[m + i] += response[i, 5 + a] * draws[k, a]
+        _seen(noise, lag, square, root[k])
+        _seen(rows, lag, square, M[:, : m + 2])
+        for i in range(m + 2):  # by (b, ḃ, b̈) and z without e, of which e = b + T ḃ + T₂ b̈ is made up
+            by_e = M[i, 0]
+            transition[k, i, 0], transition[k, i, 1] = M[i, m] + by_e, M[i, m + 1] + lag * by_e
+            transition[k, i, 2] = square * by_e
+            for c in range(1, m):
+                transition[k, i, 2 + c] = M[i, c]
+        M[:, : m + 2], M[:, m + 2 :] = transition[k] @ P, root[k]
+        covariance[k + 1] = M @ M.T
         triangular(M, P)
 
 
 @njit(cache=True, inline="always")
-def _seen(rows: FloatArray, lag: float, square: float, out: FloatArray, first: int) -> None:
-    """Those of b, ḃ, b̈ into `out` from row `first` on; `rows` of e, ė, ë, b, ḃ, as many columns or less."""
+def _seen(rows: FloatArray, lag: float, square: float, out: FloatArray) -> None:
+    """Rows of (b, ḃ, b̈) and z without e into `out`; `rows` of z, b, ḃ, shape (m + 2, any), as many as of `out`."""
+    m = len(rows) - 2
     for c in range(rows.shape[1]):
-        out[first, c], out[first + 1, c] = rows[3, c], rows[4, c]
-        out[first + 2, c] = (rows[0, c] - lag * rows[4, c] - rows[3, c]) / square
-
-
-@njit(cache=True, inline="always")
-def _square(rows: FloatArray, out: FloatArray) -> None:
-    """`rows` `rows`ᵀ, shape (3, 3), into `out`."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = 0.0
-            for c in range(rows.shape[1]):
-                out[i, j] += rows[i, c] * rows[j, c]
+        out[0, c], out[1, c] = rows[m, c], rows[m + 1, c]
+        out[2, c] = (rows[0, c] - lag * rows[m + 1, c] - rows[m, c]) / square
+        for i in range(1, m):
+            out[2 + i, c] = rows[i, c]

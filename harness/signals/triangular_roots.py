@@ -12,8 +12,8 @@ PIVOT = 1e-12  # smallest pivot of a covariance, over its variances: no less tha
 
 @njit(cache=True)
 def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
-    """Cholesky factor of a 3 × 3 covariance whose entries span decades, into L from row and column `first` on."""
-    for i in range(3):
+    """Cholesky factor of a covariance whose entries span decades, into L from row and column `first` on."""
+    for i in range(len(covariance)):
         for j in range(i + 1):
             total = covariance[i, j]
             for a in range(j):

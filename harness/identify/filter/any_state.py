@@ -1,4 +1,4 @@
-"""The filter for any state: extended by slip or Dahl friction, a lagging position and coloured noise of the sensor."""
+"""The filter for any state: extended by slip or Dahl friction, a lagging beam or position, coloured sensor noise."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ from harness.identify.filter.arguments import (
     lagging,
     lagging_noise,
     position_of,
-    rate_change,
     rate_noise,
     reading_of,
     shifted,
@@ -36,9 +35,7 @@ from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of, triangular
 
-# Indices of e and of the coloured noise c in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, c).
-_ERROR, _COLOUR = 4, 7
-_SOURCES = 7  # of noise in a step: process noise two, the error three, coloured noise and a lagging sensor one each
+_ERROR = 4  # index of e in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, what else e goes on from, c)
 
 
 @njit(cache=True, nogil=True)
@@ -57,7 +54,7 @@ def any_state(
     """Fill `out`; the other arguments are those of `extended_kalman_filter`.
 
     The covariance is L Lᵀ with L lower triangular, its first row the (lagging) position that is read: a reading
-    multiplies the first column of L by √(R'/S') and leaves the others unchanged. With coloured noise, which is in the
+    multiplies the first column of L by √(R'/S') and leaves the others unchanged. With coloured noise c, which is in the
     last row, a reading is h L x + noise with two entries in h, and L (I − β f fᵀ) with f = Lᵀ hᵀ and
     β = 1/(S' + √(R' S')) replaces L (Potter), made triangular again.
 
@@ -70,17 +67,26 @@ def any_state(
     slips = p[TRACTION] != 0.0
     ball = np.array([3, 0, 1, 2])[0 if lag > 0.0 else 1 : 4 if slips or p[DAHL] != 0.0 else 3]  # in the order of L
     coloured = sensor.colour > 0.0
-    few, size = len(ball), len(ball) + (4 if coloured else 3)
-    states = np.append(ball, np.arange(_ERROR, _ERROR + (4 if coloured else 3)))
+    few, wide, sources = len(ball), error.transition.shape[1], error.root.shape[2]
+    colour = _ERROR + wide  # index of c
+    size = few + wide + (1 if coloured else 0)
+    states = np.append(ball, np.arange(_ERROR, _ERROR + size - few))
     sensed, last = states[0], size - 1
-    x, mean, nudges, f = np.zeros(8), np.zeros(8), np.zeros(few + 1), np.zeros(size)
-    balls = np.zeros((few + 2, 8))  # where it is, and where it would be from a state that is a little off, one by one
+    x, mean, nudges, f = np.zeros(colour + 1), np.zeros(colour + 1), np.zeros(few + 1), np.zeros(size)
+    # Where the ball is, and where it would be from a state that is a little off, one by one.
+    balls = np.zeros((few + 2, colour + 1))
     moved, off = balls[0], balls[1:]
-    F, L, M = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, 2 * size + _SOURCES + 1))
-    beyond = np.zeros((2, 1, 8))
+    beyond = np.zeros((2, 1, colour + 1))
     ahead, behind = beyond[0], beyond[1]
     path = path_of(p)
     bends = points and (slips or p[DAHL] != 0.0 or has_dry_friction(p))
+    # Columns of the compound root: F L, process noise, then that of the error, of c and of a lagging sensor, bends.
+    of_error = size + 2
+    of_colour = of_error + sources
+    of_lag = of_colour + (1 if coloured else 0)
+    of_bend = of_lag + (1 if lag > 0.0 else 0)
+    M = np.zeros((size, of_bend + (size + 1 if bends else 0)))
+    F, L = np.zeros((size, size)), np.zeros((size, size))
     row_of_v = 2 if lag > 0.0 else 1
     local = np.empty((3, beam.table.shape[1]))
     L[:] = memory.root[:size, :size]
@@ -101,7 +107,7 @@ def any_state(
                 off[j] = x
                 off[j, index] += nudges[j]
             A, B = error.transition[k - 1], error.root[k - 1]
-            change = rate_change(A, x[_ERROR], x[_ERROR + 1], x[_ERROR + 2]) / dt
+            change = _rate_change(A, x) / dt
             _over(balls[:-1], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)
             _over(balls[few + 1 :], beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)  # other angle
             for j in range(few + 1):
@@ -120,17 +126,18 @@ def any_state(
             if lag > 0.0:
                 a, b, c = lagging_noise(dt, lag)
                 root = math.sqrt(process_noise)
-                M[0, size], M[0, size + 1], M[0, size + 6] = root * a, root * b, root * c
-            for i in range(3):
+                M[0, size], M[0, size + 1], M[0, of_lag] = root * a, root * b, root * c
+            for i in range(wide):
                 moved[_ERROR + i] = 0.0
-                for j in range(3):
+                for j in range(wide):
                     F[few + i, few + j] = A[i, j]
-                    M[few + i, size + 2 + j] = B[i, j]
                     moved[_ERROR + i] += F[few + i, few + j] * x[_ERROR + j]
+                for j in range(sources):
+                    M[few + i, of_error + j] = B[i, j]
             if coloured:
                 kept = math.exp(-dt / sensor.colour_time)
-                F[last, last], moved[_COLOUR] = kept, kept * x[_COLOUR]
-                M[last, size + 5] = math.sqrt(sensor.colour * (1.0 - kept * kept))
+                F[last, last], moved[colour] = kept, kept * x[colour]
+                M[last, of_colour] = math.sqrt(sensor.colour * (1.0 - kept * kept))
             _product(F, L, M)
             for i in range(few):
                 # A ball that is held is not thrown, as it does not respond to the angle in F.
@@ -138,8 +145,8 @@ def any_state(
                     back = -p[ECCENTRIC] * (0.5 * dt if states[i] == 0 else 1.0)
                     for j in range(size):
                         M[i, j] += back * (M[few + 1, j] - L[few + 1, j])
-                    for j in range(3):
-                        M[i, size + 2 + j] += back * B[1, j]
+                    for j in range(sources):
+                        M[i, of_error + j] += back * B[1, j]
             # slip begins and ends at any velocity
             if bends and not math.isnan(position[k]) and (slips or may_stop(x[1], moved[1], _square(L, row_of_v))):
                 mean[:] = moved  # to be increased by second differences
@@ -156,8 +163,7 @@ def any_state(
                         noise = REACH * spread
                     for side in range(2):
                         one = beyond[side]
-                        change = rate_change(A, one[0, _ERROR], one[0, _ERROR + 1], one[0, _ERROR + 2])
-                        change = (change + (noise if side == 0 else -noise)) / dt
+                        change = (_rate_change(A, one[0]) + (noise if side == 0 else -noise)) / dt
                         _over(one, beam.marks[k - 1], beam.marks[k], beam, p, path, lag, change, local)
                     for i in range(few):
                         bend = ahead[0, states[i]] + behind[0, states[i]] - 2.0 * moved[states[i]]
@@ -165,9 +171,9 @@ def any_state(
                         if j < size:
                             M[i, j] = by
                         else:
-                            for c in range(3):
-                                M[i, size + 2 + c] = by * (B[1, c] / spread if spread > 0.0 else 0.0)
-                        M[i, size + _SOURCES + j] = SECOND * bend
+                            for c in range(sources):
+                                M[i, of_error + c] = by * (B[1, c] / spread if spread > 0.0 else 0.0)
+                        M[i, of_bend + j] = SECOND * bend
                         mean[states[i]] += SHIFT * bend
                 moved[:] = mean
             x[:] = moved
@@ -175,7 +181,7 @@ def any_state(
         if not math.isnan(position[k]):
             if begun:
                 expected, slope = reading_of(x[sensed], sensor, p)
-                e, S = position[k] - expected - x[_COLOUR], reading_variance
+                e, S = position[k] - expected - x[colour], reading_variance
                 for j in range(size if coloured else 1):
                     f[j] = slope * L[0, j] + (L[last, j] if coloured else 0.0)
                     S += f[j] * f[j]
@@ -228,7 +234,7 @@ def _over(
     """Integrate states over the steps from `first` to `last`, in place; all but the errors.
 
     Args:
-        balls: states with the same errors, shape (m, 8).
+        balls: states with the same errors, shape (m, any).
         change: of their ė until the next stamp, over the time to it [rad/s²].
         local: workspace, shape (3, 3 or 4).
     """
@@ -244,6 +250,15 @@ def _over(
             if lag > 0.0:
                 balls[i, 3] = lagging(balls[i, 3], before, s, h, lag)
             balls[i, 0], balls[i, 1], balls[i, 2] = s, v, w
+
+
+@njit(cache=True, inline="always")
+def _rate_change(A: FloatArray, x: FloatArray) -> float:
+    """By how much the mean of ė changes over a step with the transition A of the error in the state x [rad/s]."""
+    after = 0.0
+    for i in range(len(A)):
+        after += A[1, i] * x[_ERROR + i]
+    return after - x[_ERROR + 1]
 
 
 @njit(cache=True, inline="always")
@@ -266,7 +281,7 @@ def _read(
     S: float,
     R: float,
 ) -> None:
-    """Correct the state, shape (8,), and L by an innovation e of variance S, with the reading variance R, in place.
+    """Correct the state x and L by an innovation e of variance S, with the reading variance R, in place.
 
     Args:
         states: indices of the rows of L in x, shape (m,).

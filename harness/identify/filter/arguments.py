@@ -13,6 +13,7 @@ from analytic.effects.sensor_law import ITERATIONS, LEAST_SLOPE, lies, measured
 from analytic.law import OF_SENSOR, spline_slope, spline_term
 from analytic.motion import FloatArray
 from analytic.slots import SHAPE
+from harness.signals.error_process import ErrorProcess
 
 SPIKE = 4.0  # normalised innovation beyond which readings are down-weighted
 VELOCITY_VARIANCE = 1e-2  # of the first state, at rest with standard deviation 0.1 m/s [m²/s²]
@@ -80,8 +81,8 @@ class Memory(NamedTuple):
 
     Attributes:
         begun: whether there was a reading, shape (1,).
-        x: state, in the order of the form of the filter, shape (8,).
-        root: triangular root of the covariance, in its first rows and columns, shape (8, 8).
+        x: state, in the order of the form of the filter, shape (m + 5,), with m numbers of the angle's error.
+        root: triangular root of the covariance, in its first rows and columns, shape (m + 5, m + 5).
     """
 
     begun: NDArray[np.bool_]
@@ -89,9 +90,10 @@ class Memory(NamedTuple):
     root: FloatArray
 
     @classmethod
-    def blank(cls) -> Memory:
-        """Before the first reading."""
-        return cls(np.zeros(1, dtype=np.bool_), np.zeros(8), np.zeros((8, 8)))
+    def blank(cls, error: ErrorProcess) -> Memory:
+        """Before the first reading, where the angle has this error."""
+        size = error.transition.shape[1] + 5
+        return cls(np.zeros(1, dtype=np.bool_), np.zeros(size), np.zeros((size, size)))
 
     def copy(self) -> Memory:
         """The same, which a run from here on leaves as it is."""
@@ -200,8 +202,11 @@ def rate_change(A: FloatArray, e: float, rate: float, angular: float) -> float:
 
 @njit(cache=True, inline="always")
 def rate_noise(B: FloatArray) -> float:
-    """Standard deviation of what else changes ė over a step with the root B of its noise, shape (3, 3) [rad/s]."""
-    return math.sqrt(B[1, 0] ** 2 + B[1, 1] ** 2 + B[1, 2] ** 2)
+    """Standard deviation of what else changes ė over a step with the root B of its noise, shape (m, k) [rad/s]."""
+    total = 0.0
+    for c in range(B.shape[1]):
+        total += B[1, c] ** 2
+    return math.sqrt(total)
 
 
 @njit(cache=True, inline="always")

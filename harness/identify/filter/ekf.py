@@ -1,8 +1,8 @@
 """Innovations of a model with effects: an extended Kalman filter on the ball and the angle's error, compiled.
 
 The state is (s, ṡ) and the error (e, ė, ë) of the beam's angle, a Gauss–Markov process that follows from how the angle
-was smoothed (`harness.signals.error_process`); it is extended by the internal state of slip or Dahl friction, by the
-output of a lagging sensor and by the coloured part of its noise. White process noise on ṡ represents what the model
+was smoothed (`harness.signals.error_process`); it is extended by what else that goes on from where the beam lags, by
+the internal state of slip or Dahl friction, by the output of a lagging sensor and by the coloured part of its noise. White process noise on ṡ represents what the model
 leaves unexplained. Innovations of a complete model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); those
 beyond four standard deviations are down-weighted (Masreliez and Martin, IEEE TAC 22, 1977).
 
@@ -52,7 +52,7 @@ def extended_kalman_filter(
         use: consecutive stamps to run over; the output is of these.
     """
     first, last, _ = use.indices(len(readings.time))
-    memory = Memory.blank() if memory is None else memory
+    memory = Memory.blank(error) if memory is None else memory
     return FilterOutput(*_filtered(readings, beam, p, sensor, process_noise, error, points, memory, first, last))
 
 
@@ -75,7 +75,8 @@ def _filtered(
     """
     n = last - first
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
-    if p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0:
+    usual = p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0
+    if usual and error.transition.shape[1] == 3:
         usual_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)
     else:
         any_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)

@@ -149,7 +149,7 @@ def run_ahead(
     def run(readings: Readings, memory: Memory, use: slice) -> FilterOutput:
         return extended_kalman_filter(readings, beam, p, sensor, process_noise, error, memory=memory, use=use)
 
-    memory, parts, at = Memory.blank(), [], 0
+    memory, parts, at = Memory.blank(error), [], 0
     ahead: dict[int, FilterRun] = {}
     for i in sorted(range(len(spans)), key=lambda i: int(spans[i].start)):
         if spans[i].start > at:

@@ -60,7 +60,7 @@ def run(
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     form = any_state if general else usual_state
     sensor = Sensor(gain, 0.0, problem.reading_variance, *curve)
-    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, Memory.blank(), 0, out)
+    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, Memory.blank(record.error), 0, out)
     return out
 
 
@@ -296,7 +296,7 @@ def test_a_ball_that_was_held_keeps_the_error_of_the_rate(tmp_path: Path) -> Non
         for k in np.flatnonzero((speed[1:] > 1e-3) & (speed[:-1] < 1e-3)) + 1:
             if k < 30 or np.any(speed[k - 20 : k - 5] > 3e-4) or np.any(speed[k : k + 5] < 1e-3):
                 continue  # it was not held for 150 ms, or does not move for 50 ms
-            memory = Memory.blank()
+            memory = Memory.blank(record.error)
             extended_kalman_filter(readings, beam, p, sensor, noise, record.error, memory=memory, use=slice(0, k + 5))
             grid = Grid.over(np.append(np.arange(record.time[k - 10], record.time[k + 4], 5e-4), record.time[k + 4]))
             draws = [grid.tabulate(motion) for motion in record.drive.draw(200, seed=1)]

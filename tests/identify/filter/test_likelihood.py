@@ -77,7 +77,7 @@ def test_the_likelihood_is_the_dense_one(form, process_noise: float) -> None:
         process_noise,
         error,
         True,
-        Memory.blank(),
+        Memory.blank(error),
         0,
         out,
     )
