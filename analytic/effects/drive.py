@@ -134,7 +134,7 @@ ANGLE_LAG = Effect(
     follower=lambda values: Follower(values["time_constant"]),
     code=Code(stage="lag"),
     phrase="a lag of {time_constant} of the beam behind the recorded angle",
-    relations=Relations(once=True),
+    relations=Relations(once=True, late=True),
 )
 ANGLE_SERVO = Effect(
     "angle_servo",
@@ -149,7 +149,7 @@ ANGLE_SERVO = Effect(
     follower=lambda values: Follower(values["lag"], (0.5 * values["lag"] / values["damping"]) ** 2),
     code=Code(stage="servo"),
     phrase="a servo that follows the recorded angle {lag} late, with a damping ratio of {damping}",
-    relations=Relations(once=True, splits_into=(ANGLE_LAG, CHANNEL_DELAY)),
+    relations=Relations(once=True, late=True, splits_into=(ANGLE_LAG, CHANNEL_DELAY)),
 )
 ANGLE_NONLINEARITY = Effect(
     "angle_nonlinearity",
@@ -176,7 +176,7 @@ ANGLE_HOLD = Effect(
     follower=lambda values: Follower(0.5 * values["interval"], values["interval"] ** 2 / 12.0),
     code=Code(stage="hold"),
     phrase="a beam that holds its angle in steps of {interval}",
-    relations=Relations(once=True),
+    relations=Relations(once=True, late=True),
 )
 
 DRIVE = (ANGLE_GAIN, ANGLE_NONLINEARITY, LINKAGE_BACKLASH, ANGLE_HOLD, ANGLE_LAG, ANGLE_SERVO)

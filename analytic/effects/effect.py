@@ -80,6 +80,8 @@ class Relations:
         hidden_by: unknown quantities of the rig whose estimates take it in, besides the one that it stands for.
         in_baseline: whether a model has it already.
         nested_in: kinds of spline terms that contain its law.
+        late: whether a slow motion of the beam shows as a delay does: such effects differ in what they do to a quick
+            one.
         common: whether it acts on many measured rigs, so that it is searched together with the others of these.
         splits_into: two effects of one number each which imitate it or which it is made of. Two causes are the rarer
             explanation.
@@ -90,6 +92,7 @@ class Relations:
     hidden_by: tuple[UnknownQuantity, ...] = ()
     in_baseline: Callable[[Model], bool] = lambda _: False
     nested_in: tuple[SplineKind, ...] = ()
+    late: bool = False
     common: bool = False
     splits_into: tuple[Effect, Effect] | None = None
 

@@ -22,7 +22,7 @@ CHANNEL_DELAY = Effect(
     "transport delay",
     sensor=lambda values: SensorLaw(delay=values["delay"]),
     phrase="a delay of {delay} of the position against the angle",
-    relations=Relations(common=True),
+    relations=Relations(late=True, common=True),
     engine=EngineEntry("sensor side: the stamps at which the ball is read"),
 )
 POSITION_GAIN = Effect(
@@ -47,7 +47,7 @@ POSITION_LAG = Effect(
     "first-order low pass",
     sensor=lambda values: SensorLaw(lag=values["time_constant"]),
     phrase="a lag of {time_constant} of the position sensor",
-    relations=Relations(once=True),
+    relations=Relations(once=True, late=True),
 )
 _MOST = 0.4  # of the slope of a sensor's curve that each of its terms may take or add
 

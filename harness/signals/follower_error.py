@@ -8,8 +8,6 @@ Gauss–Markov process; so is (b, ḃ, b̈, ė, ë), as e = T₂ b̈ + T ḃ + b
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from analytic.compiled import njit
@@ -110,8 +108,8 @@ def _pass_on(
 ) -> None:
     """Fill covariance, transition and root of the beam's error from those of the angle: `known`, `forgets`, `draws`.
 
-    With z, shape (m,), of the angle, the rows of z, b, ḃ at the later stamp by those at the earlier one come first, then
-    those of what goes on, (b, ḃ, b̈) and z without e.
+    With z, shape (m,), of the angle, the rows of z, b and ḃ at the later stamp by those at the earlier one come first,
+    then those of what goes on, (b, ḃ, b̈) and z without e.
     """
     m, sources = forgets.shape[1], draws.shape[2]
     P, M = np.zeros((m + 2, m + 2)), np.zeros((m + 2, m + 2 + sources))

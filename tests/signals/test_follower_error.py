@@ -82,8 +82,8 @@ def test_what_is_known_of_a_beam_behind_a_servo_lasts_as_long_as_followers_show(
         carried = stated.transition[moving + k] @ carried
     found = np.mean(scatter[moving + apart] * scatter[moving], axis=1)
     scale = np.mean(stated.covariance[moving, 0, 0])
-    # Each of 150 products of 600 draws is known to 4 %, neighbours together. A process of (b, ḃ, b̈) alone, with the same
-    # covariances from stamp to stamp, is off by a third of the variance at 200 ms and by two thirds at 300 ms.
+    # Each of 150 products of 600 draws is known to 4 %, neighbours together. A process of (b, ḃ, b̈) alone, with the
+    # same covariances from stamp to stamp, is off by a third of the variance at 200 ms and by two thirds at 300 ms.
     assert np.mean(carried[:, 0, 0]) / scale == pytest.approx(np.mean(found) / scale, abs=0.04)
 
 

@@ -2,9 +2,10 @@
 
 The state is (s, ṡ) and the error (e, ė, ë) of the beam's angle, a Gauss–Markov process that follows from how the angle
 was smoothed (`harness.signals.error_process`); it is extended by what else that goes on from where the beam lags, by
-the internal state of slip or Dahl friction, by the output of a lagging sensor and by the coloured part of its noise. White process noise on ṡ represents what the model
-leaves unexplained. Innovations of a complete model are white (Kailath, IEEE Trans. Automatic Control 13, 1968); those
-beyond four standard deviations are down-weighted (Masreliez and Martin, IEEE TAC 22, 1977).
+the internal state of slip or Dahl friction, by the output of a lagging sensor and by the coloured part of its noise.
+White process noise on ṡ represents what the model leaves unexplained. Innovations of a complete model are white
+(Kailath, IEEE Trans. Automatic Control 13, 1968); those beyond four standard deviations are down-weighted (Masreliez
+and Martin, IEEE TAC 22, 1977).
 
 An innovation e with innovation variance S = H P Hᵀ + R and |e| > 4 √S has the weight w = 4 √S/|e|: the correction of
 the state and the reduction of the covariance, P − w P Hᵀ H P/S, are w times the usual ones. This is the usual update

@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.problem import Problem
@@ -282,22 +283,23 @@ class Criterion:
     def rivals(self, fit: Fit, found: Fit) -> bool:
         """Whether `fit` is indistinguishable from `found`.
 
-        Never if only one of them has a spline term or is a fit to free runs.
+        Never if only one of them has a spline term or is a fit to free runs. Of two that differ in what makes the ball
+        late, it need not pay for more parameters: a servo that fits as a lag does is not the rarer cause.
         """
         comparable = (fit.hypothesis.spline is None) == (found.hypothesis.spline is None)
         comparable = comparable and fit.estimator is found.estimator
         if found.estimator is Estimator.FREE_RUNS:
             return comparable and self.value(fit) < self.value(found) + self.settings.held_out_rival
-        return comparable and self.value(fit) < self.value(found) + self.settings.rival
+        unpaid = max(_price(fit, found), 0.0) if _late(fit, found) else 0.0
+        return comparable and self.value(fit) - unpaid < self.value(found) + self.settings.rival
 
     def rival_separation(self, fit: Fit, found: Fit) -> float:
         """Separation √ΔD from which `fit` is distinguishable from `found` [σ].
 
         Parameters of fits to free runs were not paid for in the deviance.
         """
-        by_likelihood = found.estimator is Estimator.LIKELIHOOD
-        price = math.log(found.readings) * (len(fit.theta) - len(found.theta)) if by_likelihood else 0.0
-        return math.sqrt(max(self.settings.rival - price, 0.0))
+        price = _price(fit, found) if found.estimator is Estimator.LIKELIHOOD else 0.0
+        return math.sqrt(max(self.settings.rival - (min(price, 0.0) if _late(fit, found) else price), 0.0))
 
     def detection_limit(self, readings: int, parameters: int) -> float:
         """Size over standard error from which an effect of so many parameters is kept [σ]."""
@@ -317,6 +319,18 @@ def _complete_error(problem: Problem) -> float:
     reading = problem.reading_variance * ((1.0 - share) * interval + share * max(2.0 * problem.colour.time, interval))
     velocity = math.sqrt(2.0) * density**0.75 * reading**0.25
     return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
+
+
+def _price(fit: Fit, found: Fit) -> float:
+    """What `fit` pays in BIC for having more parameters than `found`."""
+    return math.log(found.readings) * (len(fit.theta) - len(found.theta))
+
+
+def _late(fit: Fit, found: Fit) -> bool:
+    """Whether the two differ in nothing but what makes the ball late, and each has some of it that the other lacks."""
+    ours, theirs = set(found.hypothesis.names), set(fit.hypothesis.names)
+    late = all(CATALOGUE[name].relations.late for name in ours ^ theirs)
+    return late and bool(ours - theirs) and bool(theirs - ours)
 
 
 def _simpler(tried: Fit, against: Fit) -> bool:

@@ -83,9 +83,10 @@ def _nearest(account: Account) -> str:
     others = [one for one in account.diagnosis.ledger if other(one)]
     if not others:
         return "nothing else was fitted in the same place"
-    behind, nearest = min((criterion.gain(found, one.fit), one.title) for one in others)
-    told = "told apart" if behind >= criterion.settings.rival else "not told apart"
-    return f"the nearest is {words(nearest)}, {number(behind)} behind in BIC: {told}"
+    nearest = min(others, key=lambda one: criterion.gain(found, one.fit))
+    behind = criterion.gain(found, nearest.fit)
+    told = "not told apart" if criterion.rivals(nearest.fit, found) else "told apart"
+    return f"the nearest is {words(nearest.title)}, {number(behind)} behind in BIC: {told}"
 
 
 def _independence(account: Account) -> str:

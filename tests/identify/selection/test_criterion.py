@@ -255,6 +255,20 @@ def test_rivals_are_less_than_strong_evidence_behind(behind: float, rival: bool)
     assert not C.rivals(made(50.0, spline=True, parameters=12), found)
 
 
+@pytest.mark.parametrize(("behind", "rival"), [(5.9, True), (6.1, False)])
+def test_what_makes_the_ball_late_need_not_pay_to_be_a_rival(behind: float, rival: bool) -> None:
+    """Count a servo of two numbers as a rival of a delay that fits as well, and not of a friction beside one."""
+    delay = made(50.0, "channel_delay")
+    servo = made(50.0 + PRICE + behind, "angle_servo", parameters=2)
+    assert C.rivals(servo, delay) is rival
+    assert C.rival_separation(servo, delay) == pytest.approx(math.sqrt(6.0))
+    simpler = made(servo.deviance + 2.0 * PRICE + behind, "position_lag")
+    assert C.rivals(simpler, servo) is rival
+    assert C.rival_separation(simpler, servo) == pytest.approx(math.sqrt(6.0 + PRICE))
+    assert not C.rivals(made(50.0 + PRICE + behind, "angle_servo", "channel_delay", parameters=2), delay)
+    assert not C.rivals(servo, made(50.0, "viscous_damping"))
+
+
 def test_needed_separations_follow_from_the_thresholds() -> None:
     """Need √6 σ against a rival of as many parameters, less against a larger one; √(6 + k ln n) to be found at all."""
     found = made(50.0, "level_error")
