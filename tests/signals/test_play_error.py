@@ -17,12 +17,12 @@ TIME = np.arange(0.0, 5.0, 0.01)
 ANGLE = np.where(TIME > 0.5, 0.03 * np.sin(2.0 * np.pi * 0.5 * (TIME - 0.5)), 0.0)
 
 
-def through_play(angle: FloatArray, begin: float) -> FloatArray:
+def through_play(angle: FloatArray, begin: float, width: float = WIDTH) -> FloatArray:
     """The beam behind each angle, shape (n,) [rad], which begins `begin` above the first one [rad]."""
     beam = np.empty_like(angle)
     at = angle[0] + begin
     for k, here in enumerate(angle):
-        at = min(max(at, here - 0.5 * WIDTH), here + 0.5 * WIDTH)
+        at = min(max(at, here - 0.5 * width), here + 0.5 * width)
         beam[k] = at
     return beam
 
@@ -48,42 +48,39 @@ def error(drive: Drive) -> ErrorProcess:
     return behind_play(drive.error, drive, TIME, WIDTH, 0.0)
 
 
-def carried(error: ErrorProcess, first: int, last: int) -> FloatArray:
-    """Covariance of the state at `last` with that at `first`, shape (3, 3)."""
-    covariance = error.covariance[first]
-    for k in range(first, last):
-        covariance = error.transition[k] @ covariance
-    return covariance
-
-
 def test_the_beam_is_known_as_well_as_drawn_ones_scatter(drive: Drive, error: ErrorProcess, drawn: FloatArray) -> None:
-    """State their variance where nothing has met the beam, where it stands, and where the linkage moves it."""
+    """State their variance where nothing has met the beam, and where it has been met from both sides."""
     stated, found = np.sqrt(error.covariance[:, 0, 0]), np.sqrt(np.mean(drawn**2, axis=0))
     # At first the gap over √12 beside the angle's; a deviation from 1500 draws is off by at most 4/√3000, 7 %.
-    at_first = np.hypot(WIDTH / np.sqrt(12.0), np.sqrt(drive.error.covariance[0, 0, 0]))
+    at_first = np.hypot(WIDTH / np.sqrt(12.0), np.sqrt(drive.error.covariance[:30, 0, 0]))
     np.testing.assert_allclose(stated[:30], at_first, rtol=1e-3)  # 32 places in the gap: 1/(2 · 32²)
     np.testing.assert_allclose(found[:30], stated[:30], rtol=0.07)
-    # Later, an error of the turn is of the path at its highest, which the smoothed angle reaches within a stamp.
+    # Later, that of a beam which stands is of the turn, and the angle's on average.
     later = TIME > 2.2
     assert stated[later].max() < 0.1 * stated[0]
     np.testing.assert_allclose(np.mean(stated[later] ** 2), np.mean(found[later] ** 2), rtol=0.25)
 
 
-def test_a_beam_that_stands_keeps_its_error(error: ErrorProcess, drawn: FloatArray) -> None:
-    """Carry the error on through the gap unchanged, as drawn beams do, and lose it once the linkage has met them."""
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(ANGLE))) != 0)
-    turn = int(turns[TIME[turns] > 2.2][0])
-    stand = range(turn + 3, turn + 12)  # the gap of 10 mrad takes 0.26 s of a cosine of 30 mrad and 2 s
-    assert all(np.ptp(drawn[:, k] - drawn[:, k - 1]) == 0.0 for k in stand[1:])
-    first, last = stand[0], stand[-1]
-    assert carried(error, first, last)[0, 0] == pytest.approx(error.covariance[first, 0, 0], rel=1e-9)
-    behind = turn + 60
-    correlation = carried(error, first, behind)[0, 0] / np.sqrt(
-        error.covariance[first, 0, 0] * error.covariance[behind, 0, 0]
-    )
-    # 1/√1500 is what a correlation of 0 shows; 0.2 is five of these and what is left after a third of a second.
-    assert abs(correlation) < 0.2
-    assert abs(np.corrcoef(drawn[:, first], drawn[:, behind])[0, 1]) < 0.2
+def test_a_narrow_play_tells_no_more_of_the_beam_than_of_the_angle(drive: Drive) -> None:
+    """State as much variance behind a play of a third of a count as drawn beams have, and as quickly forgotten."""
+    width, apart = STEP / 3.0, 10
+    begins = np.random.default_rng(5).uniform(-0.5, 0.5, 600) * width
+    assumed = through_play(drive.states[:, 0], 0.0, width)
+    paths = [path.states[:, 0] for path in drive.draw(600, seed=2)]
+    drawn = np.array(
+        [through_play(path, begin, width) for path, begin in zip(paths, begins, strict=True)]
+    ) - assumed  # fmt: skip
+    error = behind_play(drive.error, drive, TIME, width, 0.0)
+    use = np.flatnonzero(TIME > 2.2)[:-apart]
+    covariance = error.covariance[use]
+    for k in range(apart):
+        covariance = error.transition[use + k] @ covariance
+    found = np.mean(drawn[:, use + apart] * drawn[:, use], axis=0)
+    scale = np.mean(drawn[:, use] ** 2)
+    # 270 instants that share the error of a count for some tens of ms, of 600 draws: 2 % of the variance each way. A beam
+    # that stands whenever one does behind the smoothed angle would keep {kept} of it for 100 ms instead.
+    assert np.mean(error.covariance[use, 0, 0]) / scale == pytest.approx(1.0, abs=0.1)
+    assert np.mean(covariance[:, 0, 0]) / scale == pytest.approx(np.mean(found) / scale, abs=0.06)
 
 
 def test_each_step_leads_to_the_stated_covariance(drive: Drive, error: ErrorProcess) -> None:
@@ -100,25 +97,19 @@ def test_each_step_leads_to_the_stated_covariance(drive: Drive, error: ErrorProc
 
 
 def test_a_play_of_no_width_leaves_the_error_as_it_is(drive: Drive) -> None:
-    """Forecast a moving beam's error behind a play of 1 nrad as without one, but where it turns."""
-    error = behind_play(drive.error, drive, TIME, 1e-9, 0.0)
-    moving = slice(60, 90)
-    np.testing.assert_allclose(error.covariance[moving, 0, 0], drive.error.covariance[moving, 0, 0], rtol=1e-9)
-    np.testing.assert_allclose(error.transition[moving], drive.error.transition[moving], rtol=1e-9, atol=1e-12)
+    """State a beam's error behind a play of 1 nrad as without one."""
+    for made, known in zip(behind_play(drive.error, drive, TIME, 1e-9, 0.0), drive.error, strict=True):
+        np.testing.assert_allclose(made, known, rtol=1e-9, atol=1e-12 * np.abs(known).max())
 
 
-def test_an_error_that_nothing_renews_is_met_again_without_noise(drive: Drive) -> None:
-    """Keep roots real where the error at the turn tells all of the later one, and rounding less than nothing."""
-    step = TIME[1] - TIME[0]
-    F = np.array([[1.0, step, 0.5 * step**2], [0.0, 1.0, step], [0.0, 0.0, 1.0]])
-    # The first error tells all, and by numbers that round: one of many rows of such processes.
-    for tells in np.random.default_rng(5).normal(size=(20, 3)) * [1e-3, 1e-2, 1e-1]:
-        states = [tells]
-        for _ in TIME[1:]:
-            states.append(F @ states[-1])
-        covariance = np.array([np.outer(state, state) for state in states])
-        known = ErrorProcess(covariance, np.tile(F, (len(TIME) - 1, 1, 1)), np.zeros((len(TIME) - 1, 3, 3)))
-        met = behind_play(known, drive, TIME, WIDTH, 0.0)
-        assert all(np.isfinite(part).all() for part in met)
-        variance = np.einsum("kii->ki", met.covariance)[1:, :, None]
-        assert np.all((met.root**2 <= 1e-9 * variance)[TIME[1:] > 2.2])
+def test_behind_an_angle_that_is_known_exactly_only_the_beginning_is_not(drive: Drive) -> None:
+    """State the gap's variance until the beam has been met from both sides, and none from then on."""
+    n = len(TIME)
+    known = ErrorProcess(np.zeros((n, 3, 3)), drive.error.transition, np.zeros((n - 1, 3, 3)))
+    made = behind_play(known, drive, TIME, WIDTH, 0.0)
+    deviation = np.sqrt(made.covariance[:, 0, 0])
+    np.testing.assert_allclose(deviation[:30], WIDTH / np.sqrt(12.0), rtol=1e-3)  # 32 places in the gap: 1/(2 · 32²)
+    assert not deviation[TIME > 2.2].any()
+    after = made.transition @ made.covariance[:-1] @ made.transition.transpose(0, 2, 1)
+    after += made.root @ made.root.transpose(0, 2, 1)
+    np.testing.assert_allclose(after, made.covariance[1:], atol=1e-9 * WIDTH**2)
