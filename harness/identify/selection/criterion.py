@@ -270,6 +270,10 @@ class Criterion:
         """Whether √q is within a small factor of the input-noise floor: nothing is left to explain."""
         return fit.root_process_noise < self.settings.at_floor_ratio * problem.angle_floor
 
+    def below_noise_floor(self, problem: Problem, fit: Fit) -> bool:
+        """Whether the fit needs less process noise than the input-noise floor."""
+        return fit.root_process_noise < problem.angle_floor
+
     def far_above_noise_floor(self, problem: Problem, fit: Fit) -> bool:
         """Whether √q is an order of magnitude above the input-noise floor: missing physics is certain.
 

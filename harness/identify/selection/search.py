@@ -63,10 +63,7 @@ def search(
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
     )
-    # Free runs over a few windows do not find the values of a curve, and where a ball rolls over hills and hollows they
-    # part whatever the law: a spline term that leaves nothing to explain is not put to them.
-    complete = found.hypothesis.spline is not None and ledger.criterion.at_noise_floor(problem, found)
-    if not complete and predicts_poorly(problem, found):
+    if not _complete(problem, found, ledger.criterion) and predicts_poorly(problem, found):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors",
@@ -77,6 +74,19 @@ def search(
         plain = found
         found = ledger.attempt("band of predictions", lambda: with_band(problem, plain, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))
+
+
+def _complete(problem: Problem, found: Fit, criterion: Criterion) -> bool:
+    """Whether what is predicted poorly is so for another reason than what the fit lacks.
+
+    A fit whose process noise is below what the angle's own error does to the ball lacks nothing that the readings show:
+    that error is then larger over seconds than as white noise of its density. And free runs over a few windows do not
+    find the values of a curve, and where a ball rolls over hills and hollows they part whatever the law: a spline term
+    that leaves nothing to explain is not put to them.
+    """
+    if found.hypothesis.spline is not None:
+        return criterion.at_noise_floor(problem, found)
+    return criterion.below_noise_floor(problem, found)
 
 
 def _as_rough_as_told(problem: Problem, found: Fit, ledger: Ledger, progress: Progress) -> Problem:

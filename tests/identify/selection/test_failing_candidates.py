@@ -58,6 +58,7 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
     monkeypatch.setattr(search, "search_by_held_out_errors", fail)
     monkeypatch.setattr(search.Criterion, "predicts_poorly", lambda *_: True)
     monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
+    monkeypatch.setattr(search.Criterion, "below_noise_floor", lambda *_: False)
     monkeypatch.setattr(search, "without_stepwise", lambda *_: None)
     monkeypatch.setattr(search, "stepwise", lambda problem, base, *_: base)
     failures = Failures()
@@ -67,6 +68,22 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
         ("search", "spline terms"),
         ("search", "search by held-out errors"),
     ]
+
+
+def test_what_needs_no_process_noise_is_not_searched_by_held_out_errors(
+    plain: Posed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Keep a fit that lacks nothing the readings show, however poorly the angle's own error lets it predict."""
+
+    def fail(*_: Any, **__: Any) -> Any:
+        raise AssertionError("searched")
+
+    monkeypatch.setattr(search.Criterion, "predicts_poorly", lambda *_: True)
+    monkeypatch.setattr(search, "search_by_held_out_errors", fail)
+    assert search.search(plain.problem).found.root_process_noise < plain.problem.angle_floor
+    monkeypatch.setattr(search.Criterion, "below_noise_floor", lambda *_: False)
+    with pytest.raises(AssertionError, match="searched"):
+        search.search(plain.problem)
 
 
 def test_spline_terms_that_all_fail_leave_the_effects(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
