@@ -160,7 +160,9 @@ def export_model(record: DiagnosisRecord, origin: str) -> ExportModel:
 
 
 def _visited(record: DiagnosisRecord, spline: SplineTerm | None) -> tuple[float, float] | None:
-    """Range of the recorded positions [m]: of a proposed experiment, which stays within it, and of a law over it."""
+    """Range of the recorded positions [m]; in an older diagnosis, of a proposed experiment and of a law over it."""
+    if record.model.visited_m is not None:
+        return record.model.visited_m
     known = [] if record.next_experiment is None else [record.next_experiment.limits.ball_position_m]
     if spline is not None and spline.depends is Regressor.POSITION and not spline.closed:
         known.append((float(spline.places[0]), float(spline.places[-1])))

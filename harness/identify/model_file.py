@@ -24,6 +24,7 @@ from harness.recording import Sensors
 def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
     """The `model` part of diagnosis.json: everything that a prediction needs."""
     spline = found.hypothesis.spline
+    lowest, highest = np.percentile(problem.visited, [0.5, 99.5])
     return ModelRecord(
         rig=RigRecord.model_validate(problem.rig),
         sensors=SensorsRecord.model_validate(sensors),
@@ -39,6 +40,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
         roughness=problem.roughness,
+        visited_m=(float(lowest), float(highest)),
     )
 
 

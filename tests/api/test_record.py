@@ -10,11 +10,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from harness.api.saved import load_diagnosis
 from harness.errors import InputError
+from harness.exports.model import export_model
 from harness.identify.record import SCHEMA_FILE, DiagnosisRecord, ErrorsRecord, read_record, schema_text
+from harness.recording import load_case
 from tests.acceptance.short import write_short_case
 from tests.api.made import nothing_missing
 
@@ -42,6 +45,19 @@ def test_a_record_is_valid_by_its_schema(record: DiagnosisRecord) -> None:
     """Write what the published schema describes."""
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(json.loads(record.text()), json.loads(schema_text()))
+
+
+def test_a_record_tells_where_the_ball_was(case: Path, record: DiagnosisRecord) -> None:
+    """Keep from where to where positions were recorded, which exported scenes need; older records do without."""
+    loaded = load_case(case)
+    positions = np.concatenate([loaded.recordings[name].position for name in loaded.identify])
+    known = positions[np.isfinite(positions)]
+    low, high = record.model.visited_m
+    assert np.min(known) <= low < high <= np.max(known)
+    assert high - low > 0.9 * np.ptp(known)  # half a percent of the readings at either end are left out
+    assert export_model(record, "").visited == (low, high)
+    older = record.model_copy(update={"model": record.model.model_copy(update={"visited_m": None})})
+    assert export_model(older, "").visited is None
 
 
 def test_the_manual_names_the_keys_that_are_there(record: DiagnosisRecord) -> None:

@@ -77,8 +77,8 @@ def test_a_narrow_play_tells_no_more_of_the_beam_than_of_the_angle(drive: Drive)
         covariance = error.transition[use + k] @ covariance
     found = np.mean(drawn[:, use + apart] * drawn[:, use], axis=0)
     scale = np.mean(drawn[:, use] ** 2)
-    # 270 instants that share the error of a count for some tens of ms, of 600 draws: 2 % of the variance each way. A beam
-    # that stands whenever one does behind the smoothed angle would keep {kept} of it for 100 ms instead.
+    # 270 instants that share the error of a count for some tens of ms, of 600 draws: 2 % of the variance each way; that
+    # a beam stands within the gap now and then is left out, which is 1 % of it.
     assert np.mean(error.covariance[use, 0, 0]) / scale == pytest.approx(1.0, abs=0.1)
     assert np.mean(covariance[:, 0, 0]) / scale == pytest.approx(np.mean(found) / scale, abs=0.06)
 

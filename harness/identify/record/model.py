@@ -86,7 +86,8 @@ class ModelRecord(Part):
     """The identified model: everything that a prediction needs.
 
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
-    is the factor on the density of the beam's third derivative with which a drive is smoothed [1].
+    is the factor on the density of the beam's third derivative with which a drive is smoothed [1]; `visited_m` is from
+    where to where positions were recorded, without half a percent of the readings at either end, null if not known.
     """
 
     rig: RigRecord
@@ -103,6 +104,7 @@ class ModelRecord(Part):
     reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
+    visited_m: tuple[Finite, Finite] | None = None
 
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ModelRecord:
@@ -112,4 +114,6 @@ class ModelRecord(Part):
         fault = covariance_fault(np.array(rows, dtype=float).reshape(count, count))
         if fault:
             raise ValueError(f"covariance {fault}")
+        if self.visited_m is not None and not self.visited_m[0] <= self.visited_m[1]:
+            raise ValueError("visited_m ends before it begins")
         return self

@@ -10,9 +10,10 @@ from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.beam_roughness import with_beam_roughness
-from harness.identify.selection.candidates import explained_by_few, predicts_poorly
+from harness.identify.selection.candidates import explained_by_few, predicts_poorly, selected_effects
 from harness.identify.selection.correlated_scores import without_correlated
 from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.decision import Rule
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
 from harness.identify.selection.quick_search import on_all_readings, without_stepwise
@@ -110,4 +111,13 @@ def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, pr
             return effects
     if explained_by_few(problem, effects):
         return effects
-    return ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)
+    found = ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)
+    return _explaining(problem, base, found, ledger)
+
+
+def _explaining(problem: Problem, base: Fit, found: Fit, ledger: Ledger) -> Fit:
+    """`found`, or `base` if its effects leave the process noise far above its floor and take away little of it."""
+    names = selected_effects(problem, found)
+    if not names or found.hypothesis.spline is not None or not ledger.criterion.far_above_noise_floor(problem, found):
+        return found
+    return found if ledger.decide(Rule.EXPLAIN, found, base, names) else base

@@ -22,7 +22,7 @@ def test_a_play_that_is_not_there_gains_nothing_beside_a_servo(tmp_path: Path, s
     write_case(tmp_path / "case", with_imperfections(perfect, ("commanded_angle",), seed=seed))
     problem = problem_of(load_case(tmp_path / "case"))
     servo, play = (fit(problem, Hypothesis(names)) for names in (("angle_servo",), ("angle_servo", "linkage_backlash")))
-    # With a width of 0 the two are one, so that a loss is the optimiser's; χ² of one number exceeds 9 in 0.3 %. Were the
-    # beam known to stand whenever it does behind the smoothed command, the play would lose 5, 5 and 40 here, and gain
-    # up to 65 elsewhere.
+    # With a width of 0 the two are one, so that a loss is the optimiser's; χ² of one number exceeds 9 in 0.3 %. Were
+    # the beam known to stand whenever it does behind the smoothed command, the play would lose 5, 5 and 40 here, and
+    # gain up to 65 elsewhere.
     assert -1.0 < servo.deviance - play.deviance < 9.0

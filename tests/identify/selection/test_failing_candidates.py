@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from harness.failures import Failures
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.selection import candidates, search, spline_terms
+from harness.identify.selection.decision import Rule
 from harness.identify.verdict import Verdict, identify
 from tests.posed import Posed
 
@@ -84,6 +87,27 @@ def test_what_needs_no_process_noise_is_not_searched_by_held_out_errors(
     monkeypatch.setattr(search.Criterion, "below_noise_floor", lambda *_: False)
     with pytest.raises(AssertionError, match="searched"):
         search.search(plain.problem)
+
+
+def test_effects_that_take_away_little_of_much_process_noise_are_not_kept(
+    plain: Posed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Return to no effect, with the reason, where stepwise selection ends far above the floor and explains nothing."""
+    problem = plain.problem
+    damped = fit(problem, Hypothesis(("viscous_damping",)))
+    monkeypatch.setattr(search, "stepwise", lambda *_: damped)
+    monkeypatch.setattr(search, "without_stepwise", lambda *_: None)
+    monkeypatch.setattr(search, "with_spline_term", lambda problem, base, effects, *_: effects)
+    monkeypatch.setattr(search.Criterion, "at_noise_floor", lambda *_: False)
+    monkeypatch.setattr(search.Criterion, "far_above_noise_floor", lambda *_: True)
+    monkeypatch.setattr(search.Criterion, "explains", lambda *_: False)
+    selection = search.search(problem)
+    assert selection.found is selection.base
+    last = selection.ledger[-1]
+    assert (last.rule, last.kept, last.effects) == (Rule.EXPLAIN, False, ("viscous_damping",))
+    assert last.because.endswith("too little")
+    monkeypatch.setattr(search.Criterion, "explains", lambda *_: True)
+    assert search.search(problem).found is damped
 
 
 def test_spline_terms_that_all_fail_leave_the_effects(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
