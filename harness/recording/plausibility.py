@@ -141,8 +141,11 @@ def _against_physics(signals: Signals) -> Iterator[Implausible]:
     size = abs(response.slope)
     observed = f"the ball's acceleration is {response.slope:.3g} g α, where a rolling ball has 0.4 to 0.8 g α"
     if not plausible_slope(size):
-        unknown = "units", "check the units of all columns and the gain of the sensors"
-        code, cause = _unit_error(size, signals.units) or unknown
+        unknown = "check the units of all columns and the gain of the sensors"
+        if size < PLAUSIBLE_SLOPE[0]:
+            unknown += ", and that the angle is the beam's: a servo's, before a linkage, is larger (harness import "
+            unknown += "--linkage)"
+        code, cause = _unit_error(size, signals.units) or ("units", unknown)
         yield Implausible(code, f"{observed}: {cause}.")
     if response.slope < 0:
         yield Implausible(
@@ -219,10 +222,14 @@ def _implausible_magnitudes(signals: Signals) -> Iterator[Implausible]:
     if angle > MAX_ANGLE:
         named = "beam_angle_deg" in signals.units
         advice = "check the sensor's scale and zero" if named else "if it is in degrees, name its column beam_angle_deg"
-        yield Implausible(
-            "angle-unit" if angle > UPRIGHT else "large-angle",
-            f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): {advice}.",
-        )
+        text = f"the angle reaches {angle:.3g} rad ({math.degrees(angle):.0f}°): {advice}."
+        low, high = math.degrees(np.min(signals.angle)), math.degrees(np.max(signals.angle))
+        if math.radians(high - low) < MAX_ANGLE and abs(low + high) > high - low:
+            text = (
+                f"all angles lie from {low:.3g}° to {high:.3g}°: the sensor's zero is not where the beam is level; "
+                "subtract the angle that it reads there."
+            )
+        yield Implausible("angle-unit" if angle > UPRIGHT else "large-angle", text)
     positions = signals.positions
     if len(positions) and np.max(np.abs(positions)) > MAX_POSITION:
         yield Implausible(

@@ -48,6 +48,24 @@ def test_sound_recordings(motion: Cosines, rig: Rig, options: dict[str, float], 
     assert implausible(signals(motion, rig, seed=seed, **options)) == []
 
 
+def test_a_zero_that_is_not_level_is_told() -> None:
+    """Tell the range of angles about an upright zero, and to subtract what is read at level; not another unit."""
+    good = signals(Cosines(), Rig(), seed=3)
+    (found,) = implausible(replace(good, angle=good.angle + np.pi / 2.0))
+    assert found.code == "angle-unit"
+    assert "zero is not where the beam is level" in found.text
+    low, high = np.degrees([np.min(good.angle), np.max(good.angle)]) + 90.0
+    assert f"from {low:.3g}° to {high:.3g}°" in found.text
+
+
+@pytest.mark.parametrize(("gain", "told"), [(9.0, True), (1.0 / 3.0, False)])
+def test_an_angle_before_a_linkage_is_asked_for_where_it_is_too_large(gain: float, told: bool) -> None:
+    """Think of a servo's angle where the ball follows too little, not where it follows too much."""
+    good = signals(Cosines(), Rig(), seed=3)
+    text = " ".join(one.text for one in implausible(replace(good, angle=gain * good.angle)))
+    assert ("--linkage" in text) is told
+
+
 SLIPS = {
     "degrees": (lambda t, a, s: (t, np.degrees(a), s), "in degrees"),
     "millimetres": (lambda t, a, s: (t, a, 1e3 * s), "in millimetres"),
