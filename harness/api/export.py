@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from harness.api.effects import Given, beside_catalogue, files_of
 from harness.api.outputs import sealed_json, to_json
+from harness.api.same_rig import changed_since
 from harness.api.saved import LoadedDiagnosis, load_diagnosis
 from harness.api.writing import all_or_nothing, hashes_of, written
 from harness.errors import InputError
@@ -37,7 +38,7 @@ class Export(Summarised):
         carried: every effect of the model, and a law that no catalogue lists: its name, whether the files have it, and
             how, or what to do.
         model: the rig, the effects and the spline term that were written.
-        diagnosis_intact: whether the diagnosis is as `diagnose` wrote it.
+        warning: that the diagnosis is not as `diagnose` wrote it; empty if it is.
     """
 
     to: str
@@ -45,7 +46,7 @@ class Export(Summarised):
     files: tuple[str, ...]
     carried: tuple[Carried, ...]
     model: ExportModel = field(compare=False)
-    diagnosis_intact: bool = True
+    warning: str = ""
 
     @property
     def complete(self) -> bool:
@@ -121,7 +122,7 @@ def export(
                 "files": hashes_of(scratch),
             }
             (scratch / RECORD).write_text(sealed_json(told), encoding="utf-8")
-        return Export(to, folder, names, tuple(carried), model, kept.record.intact)
+        return Export(to, folder, names, tuple(carried), model, changed_since(kept.record, kept.origin))
 
 
 def _refuse_another_format(folder: Path, to: str) -> None:

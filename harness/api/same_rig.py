@@ -1,4 +1,4 @@
-"""Whether a recording is of the rig that a diagnosis was made on."""
+"""Whether a diagnosis is what `diagnose` wrote, and a recording of the rig that it was made on."""
 
 from __future__ import annotations
 
@@ -16,6 +16,14 @@ RIG_FILE = "rig.toml"
 _SAME = 1e-6  # relative: rig.toml may have been rounded
 _CONTRADICTED = "rig-contradicted"  # a finding: the diagnosis has other numbers than its own rig.toml
 _REPLACED = ("mass", "inertia", "gravity")  # by it
+
+
+def changed_since(record: DiagnosisRecord, origin: str | Path) -> str:
+    """A warning that a diagnosis, read from `origin`, is not as `diagnose` wrote it; empty if it is."""
+    if record.intact:
+        return ""
+    text = "has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what differs"
+    return f"warning: {origin}: {text}"
 
 
 def of_another_rig(record: DiagnosisRecord, rig: KnownRig, sha256: str | None, where: str | Path) -> str:

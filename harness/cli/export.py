@@ -71,9 +71,8 @@ def export(diagnosis: Path, to: Any, fmi: str | None, as_json: bool, **options: 
     from harness.api.outputs import to_json
 
     made = write(diagnosis, to, fmi={"2": 2, "3": 3, None: None}[fmi], **options)
-    if not made.diagnosis_intact:
-        text = "has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what differs"
-        click.echo(f"warning: {made.model.origin}: {text}", err=True)
+    if made.warning:
+        click.echo(made.warning, err=True)
     if as_json:
         click.echo(to_json(made.content()))
         return

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.api.outputs import sealed_json, to_json, write_csv
-from harness.api.same_rig import recorded_on_another_rig
+from harness.api.same_rig import changed_since, recorded_on_another_rig
 from harness.api.saved import load_diagnosis
 from harness.api.writing import all_or_nothing, hashes_of
 from harness.errors import InputError
@@ -49,11 +49,8 @@ def predict_recording(
             "files": hashes_of(scratch),
         }
         (scratch / record).write_text(sealed_json(told), encoding="utf-8")
-    another = recorded_on_another_rig(kept.record, recording)
-    warnings = (*([another] if another else []), *map(str, warnings_of(read.findings)))
-    if not kept.record.intact:
-        text = "has been changed since `diagnose` wrote it, or was not sealed; `harness replay` says what differs"
-        warnings = (f"warning: {kept.origin}: {text}", *warnings)
+    of_diagnosis = changed_since(kept.record, kept.origin), recorded_on_another_rig(kept.record, recording)
+    warnings = (*filter(None, of_diagnosis), *map(str, warnings_of(read.findings)))
     if not as_json:
         return f"prediction: {target} ({len(table)} rows)", warnings
     summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum()), "findings": read.findings}

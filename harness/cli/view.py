@@ -86,7 +86,7 @@ def view(
       harness view my_rig/ --effects reports/my_rig/ --rerun my_rig.rrd
     """
     from harness.api.outputs import to_json
-    from harness.api.same_rig import of_another_rig
+    from harness.api.same_rig import changed_since, of_another_rig
     from harness.api.saved import load_diagnosis
     from harness.api.view import view as show
     from harness.engines.catalogue import read_settings
@@ -102,8 +102,13 @@ def view(
     own = [one for one in effects if one not in diagnoses]
     read = with_rig_changes(load_case(case), parameters)
     kept = load_diagnosis(diagnoses[0], effects=own) if diagnoses else None
-    if kept is not None and (warning := of_another_rig(kept.record, read.rig, read.sha256, case)):
-        click.echo(warning, err=True)
+    if kept is not None:
+        for warning in (
+            changed_since(kept.record, kept.origin),
+            of_another_rig(kept.record, read.rig, read.sha256, case),
+        ):
+            if warning:
+                click.echo(warning, err=True)
     made = show(
         read,
         engine=engine,

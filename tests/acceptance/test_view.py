@@ -16,6 +16,7 @@ from harness.comparison.sources import run_engine
 from harness.engines.catalogue import engine_of
 from harness.engines.health import Failure
 from harness.errors import EngineFailure
+from harness.identify.record import read_record
 from harness.recording import load_case
 from harness.viewing.drawing import AZIMUTH, ELEVATION, FOVY, Drawing
 from harness.viewing.film import HEIGHT, WIDTH
@@ -141,6 +142,18 @@ def test_effects_of_another_rig_are_told(harness: Harness) -> None:
         done = harness("view", case, "--effects", SEED, "--video", "clip.mp4", "--from", 5, "--to", 4)
         assert done.code == 2
         assert (f"warning: {case}: is of another rig than the diagnosis (mass 0.03900 kg" in done.err) == other
+
+
+def test_a_changed_diagnosis_is_told(harness: Harness, tmp_path: Path) -> None:
+    """Warn of a diagnosis that was edited since `diagnose` wrote it, and only of that."""
+    written, changed = tmp_path / "written.json", tmp_path / "changed.json"
+    written.write_text(read_record(SEED).text(), encoding="utf-8")
+    content = json.loads(written.read_text(encoding="utf-8"))
+    content["model"]["band"] = 2.0
+    changed.write_text(json.dumps(content), encoding="utf-8")
+    for file in (written, changed):
+        done = harness("view", "paper_protocol", "--effects", file, "--video", "clip.mp4", "--from", 5, "--to", 4)
+        assert ("has been changed since `diagnose` wrote it" in done.err) == (file == changed)
 
 
 def test_a_log_of_nothing_is_refused(harness: Harness) -> None:
