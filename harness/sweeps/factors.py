@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,7 +107,7 @@ def factors_of(
             raise InputError(
                 f"{path}: [rig] {key} is unknown.{did_you_mean(key, RIG_KEYS)} Keys are {', '.join(RIG_KEYS)}."
             )
-        made.append(_numbers(path, _factor(path, f"{RIG}.{key}", varied)))
+        made.append(_of_rig(path, key, varied))
     for name, parameters in effects.items():
         if name not in CATALOGUE:
             hint = did_you_mean(name, CATALOGUE)
@@ -133,6 +134,20 @@ def _numbers(path: Path, factor: Factor) -> Factor:
     for value in factor.extremes:
         if isinstance(value, bool | str):
             raise InputError(f"{path}: {factor.name} = {value!r} is not a number.")
+    return factor
+
+
+def _of_rig(path: Path, key: str, varied: Any) -> Factor:
+    """Refuse what no rig could have; what only some combinations cannot have fails in these runs, by name."""
+    factor = _numbers(path, _factor(path, f"{RIG}.{key}", varied))
+    (table,) = (one for one in TABLES.values() if RIG_KEYS[key] in one.model_fields)
+    for value in factor.extremes:
+        try:
+            table.model_validate({key: float(value)})
+        except ValidationError as error:
+            raise InputError(f"{path}: {factor.name} = {value!r}: {error.errors()[0]['msg']}.") from None
+    if RIG_KEYS[key] == "level_angle" and max(abs(float(value)) for value in factor.extremes) > math.pi / 4:
+        raise InputError(f"{path}: {factor.name}: more than 45° is taken for a unit error; give it in radians.")
     return factor
 
 
