@@ -118,37 +118,53 @@ def _pass_on(
     root_of(known[0], of_known, 0)
     rows[:m, :m] = of_known
     rows[m, :m], rows[m + 1, :m] = of_known[0] - lag * of_known[1], of_known[1]
-    _seen(rows, lag, square, M[:, : m + 2])
+    _seen(rows, lag, square, M)
     covariance[0] = M @ M.T
     triangular(M, P)
+    rows[:] = 0.0
     h = 0.0
     for k in range(len(steps)):
         if abs(steps[k] - h) > _ALIKE:
             h = steps[k]
             _respond(h, lag, square, response)
-        rows[:] = 0.0
+            rows[m:, m:] = response[:, 3:5]
         rows[:m, :m], noise[:m] = forgets[k], draws[k]
-        rows[m:, m:], rows[m:, :3], noise[m:] = response[:, 3:5], response[:, :3], 0.0
         for i in range(2):
-            for a in range(3):
-                rows[m + i, :m] += response[i, 5 + a] * forgets[k, a]
-                noise[m + i] += response[i, 5 + a] * draws[k, a]
+            for c in range(m):
+                rows[m + i, c] = response[i, c] if c < 3 else 0.0
+                for a in range(3):
+                    rows[m + i, c] += response[i, 5 + a] * forgets[k, a, c]
+            for c in range(sources):
+                noise[m + i, c] = 0.0
+                for a in range(3):
+                    noise[m + i, c] += response[i, 5 + a] * draws[k, a, c]
         _seen(noise, lag, square, root[k])
-        _seen(rows, lag, square, M[:, : m + 2])
+        _seen(rows, lag, square, M)
         for i in range(m + 2):  # by (b, ḃ, b̈) and z without e, of which e = b + T ḃ + T₂ b̈ is made up
             by_e = M[i, 0]
             transition[k, i, 0], transition[k, i, 1] = M[i, m] + by_e, M[i, m + 1] + lag * by_e
             transition[k, i, 2] = square * by_e
             for c in range(1, m):
                 transition[k, i, 2 + c] = M[i, c]
-        M[:, : m + 2], M[:, m + 2 :] = transition[k] @ P, root[k]
-        covariance[k + 1] = M @ M.T
+        M[:] = 0.0
+        for i in range(m + 2):
+            for a in range(m + 2):
+                for c in range(a + 1):
+                    M[i, c] += transition[k, i, a] * P[a, c]
+            for c in range(sources):
+                M[i, m + 2 + c] = root[k, i, c]
         triangular(M, P)
+        for i in range(m + 2):
+            for j in range(i + 1):
+                total = 0.0
+                for c in range(j + 1):
+                    total += P[i, c] * P[j, c]
+                covariance[k + 1, i, j] = covariance[k + 1, j, i] = total
 
 
 @njit(cache=True, inline="always")
 def _seen(rows: FloatArray, lag: float, square: float, out: FloatArray) -> None:
-    """Rows of (b, ḃ, b̈) and z without e into `out`; `rows` of z, b, ḃ, shape (m + 2, any), as many as of `out`."""
+    """Rows of (b, ḃ, b̈) and z without e into the first columns of `out`; `rows` of z, b, ḃ, shape (m + 2, any)."""
     m = len(rows) - 2
     for c in range(rows.shape[1]):
         out[0, c], out[1, c] = rows[m, c], rows[m + 1, c]

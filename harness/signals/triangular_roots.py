@@ -32,18 +32,29 @@ def triangular(M: FloatArray, L: FloatArray) -> None:
     Args:
         M: shape (m, n), n >= m; overwritten.
     """
-    size, wide = M.shape
-    for i in range(size):
-        for j in range(i):
-            L[i, j] = 0.0
-            for c in range(wide):
-                L[i, j] += M[i, c] * M[j, c]
-            for c in range(wide):
-                M[i, c] -= L[i, j] * M[j, c]
-        square = 0.0
-        for c in range(wide):
-            square += M[i, c] ** 2
-        L[i, i] = math.sqrt(square)
-        inverse = 1.0 / L[i, i] if square > 0.0 else 0.0
-        for c in range(wide):
-            M[i, c] *= inverse
+    size = len(M)
+    for j in range(size):
+        square = _dot(M[j], M[j])
+        L[j, j] = math.sqrt(square)
+        inverse = 1.0 / square if square > 0.0 else 0.0
+        for i in range(j + 1, size):
+            share = _dot(M[i], M[j]) * inverse
+            L[i, j] = share * L[j, j]
+            for c in range(M.shape[1]):
+                M[i, c] -= share * M[j, c]
+
+
+@njit(cache=True, inline="always")
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    """Σ aᵢ bᵢ in four sums, which a processor does side by side."""
+    n = len(a)
+    even = n - n % 4
+    p, q, r, s = 0.0, 0.0, 0.0, 0.0
+    for i in range(0, even, 4):
+        p += a[i] * b[i]
+        q += a[i + 1] * b[i + 1]
+        r += a[i + 2] * b[i + 2]
+        s += a[i + 3] * b[i + 3]
+    for i in range(even, n):
+        p += a[i] * b[i]
+    return (p + q) + (r + s)

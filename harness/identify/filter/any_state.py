@@ -303,10 +303,12 @@ def _read(
 
 @njit(cache=True)
 def _product(F: FloatArray, L: FloatArray, M: FloatArray) -> None:
-    """F L, shape (m, m), into the first columns of M."""
+    """F L, shape (m, m), into the first columns of M; F has zeros, as the error does not depend on the ball."""
     size = len(L)
+    M[:, :size] = 0.0
     for i in range(size):
-        for j in range(size):
-            M[i, j] = 0.0
-            for c in range(j, size):
-                M[i, j] += F[i, c] * L[c, j]
+        for c in range(size):
+            factor = F[i, c]
+            if factor != 0.0:
+                for j in range(c + 1):
+                    M[i, j] += factor * L[c, j]
