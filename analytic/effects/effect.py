@@ -83,6 +83,7 @@ class Relations:
         late: whether a slow motion of the beam shows as a delay does: such effects differ in what they do to a quick
             one.
         common: whether it acts on many measured rigs, so that it is searched together with the others of these.
+        same_beside: effects that say exactly the same where one of those named by it is fitted beside.
         splits_into: two effects of one number each which imitate it or which it is made of. Two causes are the rarer
             explanation.
     """
@@ -94,6 +95,7 @@ class Relations:
     nested_in: tuple[SplineKind, ...] = ()
     late: bool = False
     common: bool = False
+    same_beside: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     splits_into: tuple[Effect, Effect] | None = None
 
 

@@ -94,7 +94,12 @@ BEAM_COMPLIANCE = Effect(
     write=adding(lambda k, rig, v: {slots.COMPLIANCE: v["compliance"] * rig.mass * rig.gravity}),
     code=Code(tilt="{compliance} * MASS * GRAVITY * s"),
     phrase="a beam compliance of {compliance}",
-    relations=Relations(common=True, nested_in=_OF_POSITION),
+    # κ (s_c − s) is a level of κ s_c and a compliance of −κ/(m g): a hill is a beam that bends
+    relations=Relations(
+        common=True,
+        nested_in=_OF_POSITION,
+        same_beside={"track_curvature": ("level_error", "level_per_recording")},
+    ),
 )
 TRACK_CURVATURE = Effect(
     "track_curvature",

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from analytic.effects import Effect
+from analytic.effects import CATALOGUE, Effect
 from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
@@ -150,7 +150,7 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
         value = acting.values[parameter.name]
         half = TWO_SIDED * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
-    rivals = _rivals(name, found, ledger, Criterion(problem.settings))
+    rivals = _rivals(name, found, ledger, Criterion(problem.settings)) | _same(problem, name, found)
     implausible = tuple(
         one.name for one in acting.effect.parameters if not one.plausible(acting.values[one.name], problem.rig)
     )
@@ -181,6 +181,13 @@ def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion)
         if replaced and criterion.rivals(line.against, found):
             rivals |= set(line.against.hypothesis.names)
     return rivals - set(found.hypothesis.names)
+
+
+def _same(problem: Problem, name: str, found: Fit) -> set[str]:
+    """Effects that say exactly what `name` does beside the others, unknown quantities of the rig included."""
+    same = CATALOGUE[name].relations.same_beside
+    rest = set(found.hypothesis.names) - {name}
+    return {one for one, beside in same.items() if one in candidates(problem) and rest.intersection(beside)} - rest
 
 
 def _unseen(problem: Problem, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:
