@@ -14,9 +14,10 @@ from harness.errors import InputError
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Colour, PreparedRecording, Problem
-from harness.identify.problem.spline_term import SplineTerm
+from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.record import AT_BOUND, ModelRecord, RigRecord, SensorsRecord, covariance_fault, unusable
 from harness.identify.selection.ledger_record import colour_record, declared_record
+from harness.identify.selection.spline_terms import visited
 from harness.preparation.recordings import Observed
 from harness.recording import Sensors
 
@@ -24,7 +25,6 @@ from harness.recording import Sensors
 def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
     """The `model` part of diagnosis.json: everything that a prediction needs."""
     spline = found.hypothesis.spline
-    lowest, highest = np.percentile(problem.visited, [0.5, 99.5])
     return ModelRecord(
         rig=RigRecord.model_validate(problem.rig),
         sensors=SensorsRecord.model_validate(sensors),
@@ -40,7 +40,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
         roughness=problem.roughness,
-        visited_m=(float(lowest), float(highest)),
+        visited_m=visited(problem, Regressor.POSITION),
     )
 
 

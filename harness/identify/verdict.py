@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from analytic.effects import CATALOGUE, Effect
+from analytic.effects import Effect
 from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.selection.candidates import candidates, selected_effects
-from harness.identify.selection.criterion import Criterion
+from harness.identify.selection.criterion import Criterion, same_laws
 from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
@@ -185,9 +185,8 @@ def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion)
 
 def _same(problem: Problem, name: str, found: Fit) -> set[str]:
     """Effects that say exactly what `name` does beside the others, unknown quantities of the rig included."""
-    same = CATALOGUE[name].relations.same_beside
-    rest = set(found.hypothesis.names) - {name}
-    return {one for one, beside in same.items() if one in candidates(problem) and rest.intersection(beside)} - rest
+    names = set(found.hypothesis.names)
+    return same_laws(name, names).intersection(candidates(problem)) - names
 
 
 def _unseen(problem: Problem, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> tuple[str, ...]:

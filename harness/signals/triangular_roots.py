@@ -7,7 +7,7 @@ import math
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
-PIVOT = 1e-12  # smallest pivot of a covariance, over its variances: no less than what rounding leaves
+_PIVOT = 1e-12  # smallest pivot of a covariance, over its variances: no less than what rounding leaves
 
 
 @njit(cache=True)
@@ -19,7 +19,7 @@ def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
             for a in range(j):
                 total -= L[first + i, first + a] * L[first + j, first + a]
             if i == j:
-                L[first + i, first + i] = math.sqrt(max(total, PIVOT * covariance[i, i]))
+                L[first + i, first + i] = math.sqrt(max(total, _PIVOT * covariance[i, i]))
             else:
                 root = L[first + j, first + j]
                 L[first + i, first + j] = total / root if root > 0.0 else 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from pydantic import ValidationError
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from analytic.naming import did_you_mean
+from analytic.rig import Rig, RigError
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.errors import InputError
 from harness.recording.rig_file import TABLES
@@ -146,8 +146,11 @@ def _of_rig(path: Path, key: str, varied: Any) -> Factor:
             table.model_validate({key: float(value)})
         except ValidationError as error:
             raise InputError(f"{path}: {factor.name} = {value!r}: {error.errors()[0]['msg']}.") from None
-    if RIG_KEYS[key] == "level_angle" and max(abs(float(value)) for value in factor.extremes) > math.pi / 4:
-        raise InputError(f"{path}: {factor.name}: more than 45° is taken for a unit error; give it in radians.")
+        if RIG_KEYS[key] == "level_angle":
+            try:
+                Rig(level_angle=float(value))
+            except RigError as error:
+                raise InputError(f"{path}: {factor.name} = {value!r}: {error}.") from None
     return factor
 
 

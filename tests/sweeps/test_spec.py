@@ -42,7 +42,7 @@ MISTAKES = {
     '[rig]\nmass_kg = "heavy"': "'heavy' is not a number",
     "[rig]\nmass_kg = [0.07, -0.07]": "rig.mass_kg = -0.07: Input should be greater than 0",
     "[rig]\nradius_m = { low = 0.0, high = 0.01 }": "rig.radius_m = 0.0: Input should be greater than 0",
-    "[rig]\nlevel_angle_rad = 2.0": "rig.level_angle_rad: more than 45°",
+    "[rig]\nlevel_angle_rad = 2.0": "rig.level_angle_rad = 2.0: level_angle is 2 rad; more than 45°",
     "[effects.rolling_resistence]\ncoefficient = 0.1": "Did you mean 'rolling_resistance'",
     "[effects.rolling_resistance]\ncoeficient = 0.1": "Did you mean 'coefficient'",
     "[effects.rolling_resistance]": "coefficient is missing",

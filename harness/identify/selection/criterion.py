@@ -287,14 +287,14 @@ class Criterion:
     def rivals(self, fit: Fit, found: Fit) -> bool:
         """Whether `fit` is indistinguishable from `found`.
 
-        Never if only one of them has a spline term or is a fit to free runs. Of two that differ in what makes the ball
-        late, it need not pay for more parameters: a servo that fits as a lag does is not the rarer cause.
+        Never if only one of them has a spline term or is a fit to free runs. One of much the same law need not pay for
+        more parameters: a servo that fits as a lag does is not the rarer cause.
         """
         comparable = (fit.hypothesis.spline is None) == (found.hypothesis.spline is None)
         comparable = comparable and fit.estimator is found.estimator
         if found.estimator is Estimator.FREE_RUNS:
             return comparable and self.value(fit) < self.value(found) + self.settings.held_out_rival
-        unpaid = max(_price(fit, found), 0.0) if _late(fit, found) else 0.0
+        unpaid = max(_price(fit, found), 0.0) if _alike(fit, found) else 0.0
         return comparable and self.value(fit) - unpaid < self.value(found) + self.settings.rival
 
     def rival_separation(self, fit: Fit, found: Fit) -> float:
@@ -303,7 +303,7 @@ class Criterion:
         Parameters of fits to free runs were not paid for in the deviance.
         """
         price = _price(fit, found) if found.estimator is Estimator.LIKELIHOOD else 0.0
-        return math.sqrt(max(self.settings.rival - (min(price, 0.0) if _late(fit, found) else price), 0.0))
+        return math.sqrt(max(self.settings.rival - (min(price, 0.0) if _alike(fit, found) else price), 0.0))
 
     def detection_limit(self, readings: int, parameters: int) -> float:
         """Size over standard error from which an effect of so many parameters is kept [σ]."""
@@ -330,11 +330,18 @@ def _price(fit: Fit, found: Fit) -> float:
     return math.log(found.readings) * (len(fit.theta) - len(found.theta))
 
 
-def _late(fit: Fit, found: Fit) -> bool:
-    """Whether the two differ in nothing but what makes the ball late, and each has some of it that the other lacks."""
+def _alike(fit: Fit, found: Fit) -> bool:
+    """Whether the two differ in nothing but what makes the ball late, or in a law that is one beside the others."""
     ours, theirs = set(found.hypothesis.names), set(fit.hypothesis.names)
-    late = all(CATALOGUE[name].relations.late for name in ours ^ theirs)
-    return late and bool(ours - theirs) and bool(theirs - ours)
+    mine, its = ours - theirs, theirs - ours
+    if mine and its and all(CATALOGUE[name].relations.late for name in mine | its):
+        return True
+    return len(mine) == len(its) == 1 and its <= same_laws(min(mine), ours)
+
+
+def same_laws(name: str, beside: set[str]) -> set[str]:
+    """Effects that say exactly what `name` does where these are fitted beside it."""
+    return {one for one, needed in CATALOGUE[name].relations.same_beside.items() if beside.intersection(needed)}
 
 
 def _simpler(tried: Fit, against: Fit) -> bool:

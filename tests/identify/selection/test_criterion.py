@@ -269,6 +269,15 @@ def test_what_makes_the_ball_late_need_not_pay_to_be_a_rival(behind: float, riva
     assert not C.rivals(servo, made(50.0, "viscous_damping"))
 
 
+@pytest.mark.parametrize(("beside", "rival"), [(("level_error",), True), (("viscous_damping",), False)])
+def test_the_same_law_under_another_name_need_not_pay(beside: tuple[str, ...], rival: bool) -> None:
+    """Count a curvature as a rival of a compliance beside a level, though it has two numbers, and not beside a drag."""
+    bends = made(50.0, *beside, "beam_compliance")
+    hill = made(50.0 + PRICE, *beside, "track_curvature", parameters=3)
+    assert C.rivals(hill, bends) is rival
+    assert C.rival_separation(hill, bends) == pytest.approx(math.sqrt(6.0) if rival else 0.0)
+
+
 def test_needed_separations_follow_from_the_thresholds() -> None:
     """Need √6 σ against a rival of as many parameters, less against a larger one; √(6 + k ln n) to be found at all."""
     found = made(50.0, "level_error")
