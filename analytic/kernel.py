@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from analytic import slots
 from analytic.compiled import fixed, njit
-from analytic.lean import dry_run, smooth_run, tilts
-from analytic.lean_step import GENERAL, SMOOTH, path_of
+from analytic.lean import damped_run, dry_run, smooth_run, tilts
+from analytic.lean_step import DAMPED_DRY, DRY, GENERAL, SMOOTH, path_of
 from analytic.models import Model, coefficients
 from analytic.motion import BeamMotion, FloatArray, State, Trajectory, beam_states
 from analytic.rig import Rig
@@ -55,8 +55,10 @@ def _integrate(
                 low, high, motion, level, linear = begin, end, table_of[run], p[slots.LEVEL], p[slots.LINEAR]
             if path == SMOOTH:
                 smooth_run(steps, marks, table, tilted, p, first[run], last[run], filled)
-            else:
+            elif path == DRY:
                 dry_run(steps, marks, table, tilted, p, first[run], last[run], filled)
+            else:
+                damped_run(steps, marks, table, tilted, p, first[run], last[run], filled, path == DAMPED_DRY)
             continue
         for stamp in range(first[run], last[run]):
             for j in range(marks[stamp], marks[stamp + 1]):

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.lean_step import friction_at, push, resisted, smooth_step, tilted
+from analytic.lean_step import damped_step, friction_at, lost_to, push, resisted, smooth_step, tilted
 from analytic.motion import FloatArray
 
 
@@ -70,4 +70,33 @@ def dry_run(
             end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
             s_end, v_end = smooth_step(s, v, steps[j], begin, middle, end, centrifugal)
             s, v = resisted(s, v, steps[j], s_end, v_end, friction_at(table, 2 * j + 1, p))
+        out[stamp - first, 0], out[stamp - first, 1] = s, v
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def damped_run(
+    steps: FloatArray,
+    marks: NDArray[np.int64],
+    table: FloatArray,
+    sines: FloatArray,
+    p: FloatArray,
+    first: int,
+    last: int,
+    out: FloatArray,
+    dry: bool,
+) -> None:
+    """As `smooth_run`, on the paths `DAMPED` and, where `dry`, `DAMPED_DRY`: friction that grows with the velocity."""
+    s, v = out[0, 0], out[0, 1]
+    for stamp in range(first + 1, last + 1):
+        for j in range(marks[stamp - 1], marks[stamp]):
+            begin = push(sines[2 * j], table[2 * j, 1], table[2 * j, 2], p)
+            middle = push(sines[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
+            end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
+            if dry:
+                friction = friction_at(table, 2 * j + 1, p)
+                lost = lost_to(friction, s, v, steps[j])
+                s_end, v_end = damped_step(s, v, steps[j], begin, middle, end, lost, p)
+                s, v = resisted(s, v, steps[j], s_end, v_end, friction)
+            else:
+                s, v = damped_step(s, v, steps[j], begin, middle, end, 0.0, p)
         out[stamp - first, 0], out[stamp - first, 1] = s, v

@@ -1,4 +1,4 @@
-"""A step with nothing but the model's own terms, and with a plain dry friction, on paths of their own.
+"""A step with the model's own terms, a plain dry friction and smooth ones of the velocity, on paths of their own.
 
 `analytic.step.advance` asks at every step which of all effects act, and computes sin(α + α₀) at every stage. Which of
 them act does not change during a run, and what the beam does to a ball is the same for all balls at all places: both
@@ -17,8 +17,8 @@ from analytic.compiled import njit
 from analytic.law import OF_SENSOR
 from analytic.motion import FloatArray
 
-GENERAL, SMOOTH, DRY = 0, 1, 2
-_LEAN = (  # slots that either path reads
+GENERAL, SMOOTH, DRY, DAMPED, DAMPED_DRY = range(5)
+_LEAN = (  # slots that one of the lean paths reads
     slots.GRAVITY,
     slots.CENTRIFUGAL,
     slots.ECCENTRIC,
@@ -35,19 +35,24 @@ _LEAN = (  # slots that either path reads
     slots.TURN,  # nothing without TRACTION
     slots.DRY_PLUS,
     slots.DRY_MINUS,
+    slots.VISCOUS,
+    slots.QUADRATIC,
 )
 _ZERO = tuple(slot for slot in range(slots.SHAPE) if slot not in _LEAN)
 
 
 @njit(cache=True, nogil=True)
 def path_of(p: FloatArray) -> int:
-    """Which path takes a run with this parameter vector: `GENERAL`, `SMOOTH` or `DRY`."""
+    """Which path takes a run with this parameter vector: `GENERAL`, `SMOOTH`, `DRY`, `DAMPED` or `DAMPED_DRY`."""
     if len(p) > slots.SLOTS or p[slots.SHAPE] not in (0.0, OF_SENSOR):  # an error of the sensor moves no ball
         return GENERAL
     for slot in _ZERO:
         if p[slot] != 0.0:
             return GENERAL
-    return SMOOTH if p[slots.DRY_PLUS] == 0.0 and p[slots.DRY_MINUS] == 0.0 else DRY
+    dry = p[slots.DRY_PLUS] != 0.0 or p[slots.DRY_MINUS] != 0.0
+    if p[slots.VISCOUS] != 0.0 or p[slots.QUADRATIC] != 0.0:
+        return DAMPED_DRY if dry else DAMPED
+    return DRY if dry else SMOOTH
 
 
 class Push(NamedTuple):
@@ -104,36 +109,80 @@ def smooth_step(
     s: float, v: float, h: float, begin: Push, middle: Push, end: Push, centrifugal: float
 ) -> tuple[float, float]:
     """(s, ṡ) after a step of `h` [s] without friction; `centrifugal` is the coefficient of s α̇²."""
-    k1 = begin.tilt + centrifugal * s * begin.rate * begin.rate - begin.angular
+    k1 = _acceleration(s, begin, centrifugal)
     v2 = v + 0.5 * h * k1
-    k2 = middle.tilt + centrifugal * (s + 0.5 * h * v) * middle.rate * middle.rate - middle.angular
+    k2 = _acceleration(s + 0.5 * h * v, middle, centrifugal)
     v3 = v + 0.5 * h * k2
-    k3 = middle.tilt + centrifugal * (s + 0.5 * h * v2) * middle.rate * middle.rate - middle.angular
+    k3 = _acceleration(s + 0.5 * h * v2, middle, centrifugal)
     v4 = v + h * k3
-    k4 = end.tilt + centrifugal * (s + h * v3) * end.rate * end.rate - end.angular
+    k4 = _acceleration(s + h * v3, end, centrifugal)
     return s + h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0, v + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
 
 
 @njit(cache=True, inline="always", error_model="numpy")
-def resisted(s: float, v: float, h: float, s_end: float, v_end: float, friction: Friction) -> tuple[float, float]:
-    """(s, ṡ) after a step with dry friction, given the step without it: as `analytic.step._resist`.
+def damped_step(
+    s: float, v: float, h: float, begin: Push, middle: Push, end: Push, lost: float, p: FloatArray
+) -> tuple[float, float]:
+    """(s, ṡ) after a step of `h` [s] with friction that grows with the velocity, which is by `lost` less [m/s]."""
+    u = v - lost
+    k1 = _damped(s, u, begin, p)
+    v2 = u + 0.5 * h * k1
+    k2 = _damped(s + 0.5 * h * u, v2, middle, p)
+    v3 = u + 0.5 * h * k2
+    k3 = _damped(s + 0.5 * h * v2, v3, middle, p)
+    v4 = u + h * k3
+    k4 = _damped(s + h * v3, v4, end, p)
+    s_end = s + h * (u + 2.0 * v2 + 2.0 * v3 + v4) / 6.0 + h * lost
+    return s_end, u + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0 + lost
 
-    The normal force at rest differs by −2 ṡ α̇ alone.
-    """
+
+@njit(cache=True, inline="always")
+def _acceleration(s: float, on: Push, centrifugal: float) -> float:
+    return on.tilt + centrifugal * s * on.rate * on.rate - on.angular
+
+
+@njit(cache=True, inline="always")
+def _damped(s: float, v: float, on: Push, p: FloatArray) -> float:
+    result = _acceleration(s, on, p[slots.CENTRIFUGAL])
+    if p[slots.VISCOUS] != 0.0:
+        result -= p[slots.VISCOUS] * v
+    if p[slots.QUADRATIC] != 0.0:
+        result -= p[slots.QUADRATIC] * abs(v) * v
+    return result
+
+
+@njit(cache=True, inline="always")
+def lost_to(friction: Friction, s: float, v: float, h: float) -> float:
+    """What dry friction takes of ṡ in half a step of `h` [s], as `analytic.step._lost` [m/s]."""
+    if v == 0.0:
+        return 0.0
+    sign = 1.0 if v > 0.0 else -1.0
+    return sign * min(0.5 * h * _limit(friction, s, v, sign), abs(v))
+
+
+@njit(cache=True, inline="always")
+def _limit(friction: Friction, s: float, v: float, towards: float) -> float:
+    """Largest deceleration against motion `towards` + or − [m/s²]."""
     plus, minus, pressed, rate, angular, turn = friction
+    return (plus if towards > 0.0 else minus) * max(pressed - 2.0 * v * rate - s * angular - turn, 0.0)
+
+
+@njit(cache=True, inline="always", error_model="numpy")
+def resisted(s: float, v: float, h: float, s_end: float, v_end: float, friction: Friction) -> tuple[float, float]:
+    """(s, ṡ) after a step with dry friction, given the step without it: as `analytic.step._resist`."""
     drive, rest = (v_end - v) / h, h
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
-        limit = (plus if v > 0.0 else minus) * max(pressed - 2.0 * v * rate - s * angular - turn, 0.0)
+        limit = _limit(friction, s, v, sign)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
         stop = v / (sign * limit - drive)
         s, rest = s + 0.5 * v * stop, h - stop
-    limit = (plus if drive > 0.0 else minus) * max(pressed - s * angular - turn, 0.0)
+    sign = 1.0 if drive > 0.0 else -1.0
+    limit = _limit(friction, s, 0.0, sign)
     if abs(drive) <= limit:
         return s, 0.0
-    sign = 1.0 if drive > 0.0 else -1.0
     if v == 0.0:
         return s_end - 0.5 * sign * limit * h * h, (drive - sign * limit) * h
     v = (drive - sign * limit) * rest

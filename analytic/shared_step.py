@@ -10,7 +10,20 @@ from typing import NamedTuple
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.lean_step import DRY, GENERAL, Friction, Push, friction_at, push_at, resisted, smooth_step
+from analytic.lean_step import (
+    DAMPED,
+    DAMPED_DRY,
+    DRY,
+    GENERAL,
+    Friction,
+    Push,
+    damped_step,
+    friction_at,
+    lost_to,
+    push_at,
+    resisted,
+    smooth_step,
+)
 from analytic.motion import FloatArray
 from analytic.step import advance
 
@@ -41,7 +54,11 @@ def ball_step(
     """(s, ṡ, w) after a step of `h` [s]: `advance`, with what `beam_step` gives for the same path, rows and vector."""
     if path == GENERAL:
         return advance(s, v, w, h, beam, row, p)
-    s_end, v_end = smooth_step(s, v, h, on.begin, on.middle, on.end, p[slots.CENTRIFUGAL])
-    if path == DRY:
+    if path in (DAMPED, DAMPED_DRY):
+        lost = lost_to(on.friction, s, v, h) if path == DAMPED_DRY else 0.0
+        s_end, v_end = damped_step(s, v, h, on.begin, on.middle, on.end, lost, p)
+    else:
+        s_end, v_end = smooth_step(s, v, h, on.begin, on.middle, on.end, p[slots.CENTRIFUGAL])
+    if path in (DRY, DAMPED_DRY):
         s_end, v_end = resisted(s, v, h, s_end, v_end, on.friction)
     return s_end, v_end, w

@@ -11,7 +11,7 @@ from analytic import slots
 from analytic.effects import Acting, acting, parameters_with
 from analytic.kernel import Grid, integrate
 from analytic.law import OF_SENSOR
-from analytic.lean_step import DRY, GENERAL, SMOOTH, path_of
+from analytic.lean_step import DAMPED, DAMPED_DRY, DRY, GENERAL, SMOOTH, path_of
 from analytic.models import CAM, CUM, CUM_LINEAR, MODELS, Model, coefficients
 from analytic.motion import BeamMotion, FloatArray
 from analytic.rig import Rig
@@ -21,6 +21,8 @@ from tests.motions import Fixed, Ramp, Sines
 RIG = Rig(level_angle=0.002)
 STAMPS = np.concatenate(([0.0], np.sort(np.random.default_rng(3).uniform(0.0, 10.0, 400)), [10.0]))
 GRID = Grid.over(STAMPS)
+VISCOUS, QUADRATIC = (acting(name, {"coefficient": 0.02}) for name in ("viscous_damping", "quadratic_drag"))
+DAMPINGS = ((VISCOUS,), (QUADRATIC,), (VISCOUS, QUADRATIC))
 STARTS = np.array([(0.36, 0.05), (0.36, 0.0), (-0.2, -0.3), (0.0, 1.0)])
 MOTIONS = {
     "sines": Sines(),
@@ -74,6 +76,27 @@ def test_dry_path_is_the_general_step(motion: BeamMotion) -> None:
         assert 0.05 < sticking.mean() < 0.95  # the comparison is about stops as much as about motion
 
 
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_damped_path_is_the_general_step(motion: BeamMotion) -> None:
+    """Slow down with the bits of the general step, by one law of the velocity or by both."""
+    vectors = [parameters_with(model, RIG, one) for model in (CAM, CUM_LINEAR) for one in DAMPINGS]
+    assert {path_of(p) for p in vectors} == {DAMPED}
+    check(motion, vectors)
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_damped_dry_path_is_the_general_step(motion: BeamMotion) -> None:
+    """Stop, stick and turn round with the bits of the general step where a damping acts beside a dry friction."""
+    resistances = (
+        acting("rolling_resistance", {"coefficient": 0.003}),
+        acting("rolling_resistance", {"coefficient": 0.03}),
+        acting("directional_resistance", {"coefficient_plus": 0.004, "coefficient_minus": 0.012}),
+    )
+    vectors = [parameters_with(CAM, RIG, [dry, *one]) for dry in resistances for one in DAMPINGS]
+    assert {path_of(p) for p in vectors} == {DAMPED_DRY}
+    check(motion, vectors)
+
+
 def test_negative_resistance_is_none() -> None:
     """Clip a coefficient below zero, which a fit may try, as the general step does."""
     p = coefficients(CAM, RIG)
@@ -93,13 +116,13 @@ def test_an_error_of_the_sensor_moves_no_ball(name: str, path: int) -> None:
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
 def test_friction_of_the_paper_takes_the_general_path(model: Model) -> None:
-    """Keep what depends on the velocity smoothly off the lean paths."""
+    """Keep the paper's laws of friction off the lean paths, which have no tanh."""
     assert (path_of(coefficients(model, RIG)) == GENERAL) is model.name.startswith("friction")
 
 
 def test_every_slot_of_an_effect_decides_the_path() -> None:
     """Send a run to the general path for each slot whose effect the lean ones do not have."""
-    lean = {slots.DRY_PLUS: DRY, slots.DRY_MINUS: DRY}
+    lean = {slots.DRY_PLUS: DRY, slots.DRY_MINUS: DRY, slots.VISCOUS: DAMPED, slots.QUADRATIC: DAMPED}
     switches = {slots.READING, *range(slots.VISCOUS, slots.SHAPE + 1)} - {slots.PHASE, slots.ORIGIN, slots.ROLL}
     for slot in sorted(switches - {slots.TURN}):  # these four are no effect by themselves
         p = coefficients(CAM, RIG)
@@ -114,7 +137,8 @@ def test_every_slot_of_an_effect_decides_the_path() -> None:
         ("rolling_resistance", {"coefficient": 0.01}, DRY),
         ("level_error", {"angle": 0.01}, SMOOTH),
         ("eccentric_pivot", {"eccentricity": 0.02}, SMOOTH),
-        ("viscous_damping", {"coefficient": 0.01}, GENERAL),
+        ("viscous_damping", {"coefficient": 0.01}, DAMPED),
+        ("quadratic_drag", {"coefficient": 0.01}, DAMPED),
         ("contact_slip", {"friction_coefficient": 0.1}, GENERAL),
         ("beam_compliance", {"compliance": 0.01}, GENERAL),
     ],

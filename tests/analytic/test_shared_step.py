@@ -8,7 +8,7 @@ import pytest
 from analytic.compiled import njit
 from analytic.effects import acting, parameters_with
 from analytic.kernel import Grid
-from analytic.lean_step import DRY, GENERAL, SMOOTH, path_of
+from analytic.lean_step import DAMPED, DAMPED_DRY, DRY, GENERAL, SMOOTH, path_of
 from analytic.models import CAM
 from analytic.motion import FloatArray
 from analytic.rig import Rig
@@ -18,11 +18,14 @@ from tests.motions import Sines
 
 RIG = Rig(level_angle=0.002)
 GRID = Grid.over(np.linspace(0.0, 5.0, 251))
-EFFECTS = {
-    "none": (SMOOTH, {}),
-    "rolling_resistance": (DRY, {"coefficient": 0.03}),
-    "viscous_damping": (GENERAL, {"coefficient": 0.02}),
-    "contact_slip": (GENERAL, {"friction_coefficient": 0.01}),
+RESISTANCE = {"rolling_resistance": {"coefficient": 0.03}}
+DAMPING = {"viscous_damping": {"coefficient": 0.02}, "quadratic_drag": {"coefficient": 0.03}}
+EFFECTS: dict[str, tuple[int, dict[str, dict[str, float]]]] = {
+    "nothing": (SMOOTH, {}),
+    "a dry friction": (DRY, RESISTANCE),
+    "a damping": (DAMPED, DAMPING),
+    "a dry friction and a damping": (DAMPED_DRY, RESISTANCE | DAMPING),
+    "slip": (GENERAL, {"contact_slip": {"friction_coefficient": 0.01}}),
 }
 
 
@@ -41,8 +44,8 @@ def together(table: FloatArray, steps: FloatArray, balls: FloatArray, p: FloatAr
 @pytest.mark.parametrize("name", EFFECTS)
 def test_each_ball_takes_the_general_step(name: str) -> None:
     """Move balls that roll both ways, rest, stop and slip as one by one."""
-    path, values = EFFECTS[name]
-    p = parameters_with(CAM, RIG, [acting(name, values)] if values else [])
+    path, effects = EFFECTS[name]
+    p = parameters_with(CAM, RIG, [acting(effect, values) for effect, values in effects.items()])
     assert path_of(p) == path
     balls = np.array([(0.36, 0.05, 0.0), (0.0, 0.0, 0.0), (-0.2, -0.3, 0.0), (0.1, 1e-4, 0.0)])
     table = GRID.tabulate(Sines())
@@ -51,5 +54,5 @@ def test_each_ball_takes_the_general_step(name: str) -> None:
         for j, h in enumerate(GRID.steps):
             s, v, w = advance(s, v, w, h, table, 2 * j, p)
             assert tuple(found[j, i]) == (s, v, w)
-    if path == DRY:
+    if path in (DRY, DAMPED_DRY):
         assert 0.02 < (found[:, :, 1] == 0.0).mean() < 0.98  # about stops as much as about motion
