@@ -9,6 +9,8 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.numerics import rms
 
+FEWEST = 4
+"""Windows or blocks for an interval of a difference."""
 RESAMPLES = 2000  # the standard error is then itself known to 1/√(2·2000) = 1.6 %
 _MARGIN_RESAMPLES = 9999
 

@@ -8,13 +8,13 @@ from functools import partial
 from itertools import groupby
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.errors import EngineFailure
-from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import AHEAD, KNOWN, Block, blocks_of
+from harness.identify.problem.windows import AHEAD, KNOWN, Block, blocks_of, without_predicted
 from harness.jobs import gathered
-from harness.metrics.bootstrap import Margin, rms_reduction
+from harness.metrics.bootstrap import FEWEST, Margin, rms_reduction
 from harness.numerics import evenly_chosen, rms
 from harness.parallel import side_by_side
 from harness.progress import Progress, silent
@@ -25,7 +25,7 @@ from harness.tuning.estimate.windows import Stretch, fitted_stretches, stretches
 
 _MOST = 12  # blocks: of many, so many are taken evenly
 _NEAR = 8  # evaluations of a fit that begins at the values fitted to everything
-_FEWEST = 4  # blocks for an interval of a difference
+_FEWEST = 3  # cells of the known part, for the two numbers of a start
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class HeldOutErrors:
         blocks: numbers of the blocks among those of the recordings, shape (n,).
         before, after: of the engine as it was and as it was tuned, shape (n,) [m].
         predicted: positions, of each block that has any, in the order of the recordings and of time.
-        left_out: number of blocks that the engine as it was does not run through.
+        left_out: number of blocks that the engine as it was does not run through, or that have too few readings.
     """
 
     blocks: tuple[int, ...]
@@ -69,7 +69,7 @@ class HeldOutErrors:
     @property
     def margin(self) -> Margin | None:
         """By how much tuning lowers the RMS error [m]; `None` for too few blocks."""
-        return None if len(self.blocks) < _FEWEST else rms_reduction(self.before, self.after)
+        return None if len(self.blocks) < FEWEST else rms_reduction(self.before, self.after)
 
 
 def held_out_errors(
@@ -134,7 +134,7 @@ def _group(
 
     Where only the tuned engine fails, its error is what tuning has done.
     """
-    problem, values = without(model.problem, blocks), selection.found.values
+    problem, values = without_predicted(model.problem, blocks), selection.found.values
     rest = [one for one in fitted_stretches(problem) if _is_among(one, windows)]
     if selection.pays and rest:
         fitted = fit(replace(model, problem=problem), rest, selection.found.free, values, iterations=_NEAR)
@@ -150,7 +150,9 @@ def _group(
 
 
 def _as_it_was(model: Model, block: Block, selection: Selection) -> _OfBlock | None:
-    """A block before tuning; `None` where the engine does not run through it."""
+    """A block before tuning; `None` where it has too few readings, or the engine does not run through it."""
+    if not _stretches(model, block):
+        return None
     try:
         before = _of_block(model, block, selection.before.values)
     except EngineFailure:
@@ -166,13 +168,16 @@ def _is_among(one: Stretch, windows: Sequence[Stretch]) -> bool:
     )
 
 
-def without(problem: Problem, blocks: Sequence[Block]) -> Problem:
-    """The problem without the readings of the predicted parts of these blocks."""
-    readings = {id(one): one.reading.copy() for one in problem.recordings}
-    for block in blocks:
-        for window in block.held_out:
-            readings[id(window.recording)][window.use][window.judged] = np.nan
-    return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
+def _stretches(model: Model, block: Block) -> list[Stretch]:
+    """The windows of a block that hold readings enough, in both of their parts."""
+    spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in block.held_out]
+    found = stretches_of(model.problem, block.held_out[0].recording, spans)
+    return [one for one in found if (~_ahead(one)).sum() >= _FEWEST and _ahead(one).any()]
+
+
+def _ahead(window: Stretch) -> NDArray[np.bool_]:
+    """Cells of the predicted part, shape (m,)."""
+    return window.time >= window.begin + KNOWN
 
 
 def _of_block(model: Model, block: Block, values: Values) -> _OfBlock:
@@ -181,22 +186,14 @@ def _of_block(model: Model, block: Block, values: Values) -> _OfBlock:
     Raises:
         EngineFailure: the engine fails in a known part.
     """
-    windows = block.held_out
-    spans = [(window.begin, window.begin + KNOWN + AHEAD) for window in windows]
-    stretches = stretches_of(model.problem, windows[0].recording, spans)
-    known = [one.part(one.time < one.time[0] + KNOWN) for one in stretches]
+    stretches = _stretches(model, block)
+    known = [one.part(~_ahead(one)) for one in stretches]
     starts = fit(model, known, [], {}, fixed=values).starts
     runs = model.runs(stretches, [(values, starts)])[0]
-    error = rms(np.array([_ahead(one, run) for one, run in zip(stretches, runs, strict=True)]))
+    error = rms(np.array([rms((one.reading - run)[_ahead(one)]) for one, run in zip(stretches, runs, strict=True)]))
     # Up to where the next block begins: where windows have too few readings, the first one left may begin later.
-    end = windows[0].begin + KNOWN + AHEAD
+    end = block.held_out[0].begin + KNOWN + AHEAD
     first, run = stretches[0], runs[0]
-    shown = (first.time >= first.time[0] + KNOWN) & (first.time < end)
+    shown = _ahead(first) & (first.time < end)
     through = all(bool(np.isfinite(known_positions(one)).all()) for one in runs)
     return _OfBlock(error, first.time[shown], known_positions(run)[shown], through)
-
-
-def _ahead(window: Stretch, run: FloatArray) -> float:
-    """RMS error over the predicted part [m]."""
-    ahead = window.time >= window.time[0] + KNOWN
-    return rms((window.reading - run)[ahead])

@@ -28,7 +28,8 @@ class Combination:
     """A combination of parameters that these recordings do not determine.
 
     Attributes:
-        moves: by how much each parameter moves in it, on its scale of the fit, the first one by +1 %.
+        moves: by how much each parameter moves in it, on its scale of the fit, the first one by +1 %, or by a hundredth
+            of its unit where that scale is linear.
         index: collinearity index [1].
         text: in words.
     """
@@ -48,7 +49,7 @@ def combinations(selection: Selection, free: Sequence[Free]) -> tuple[Combinatio
     shown: list[Free] = []
     by_name = {one.name: one for one in free}
     for at, one in enumerate(found.free):
-        columns.append(-found.jacobian[:, at])
+        columns.append(found.jacobian[:, at])
         shown.append(one)
     for name, screened in selection.screened.items():
         one = by_name[name]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.motion import FloatArray
 from harness.engines.catalogue import engine_of
 from harness.errors import EngineFailure
 from harness.identify.estimate.block_errors import block_errors
@@ -15,15 +16,15 @@ from harness.identify.estimate.fit import fit as fit_cam
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import blocks_of
+from harness.identify.problem.windows import AHEAD, KNOWN, blocks_of
 from harness.numerics import rms
 from harness.recording import load_case
 from harness.tuning.estimate.fit import fit, run_through
 from harness.tuning.estimate.free import LEVEL, level_of
 from harness.tuning.estimate.runs import Model
 from harness.tuning.estimate.selection import Selection
-from harness.tuning.estimate.windows import stretches_of
-from harness.tuning.held_out import held_out_errors
+from harness.tuning.estimate.windows import fitted_stretches, stretches_of
+from harness.tuning.held_out import HeldOutErrors, held_out_errors
 from harness.tuning.tune import Tuned, Verdict, _predicting, tune
 from tests.posed import pose
 
@@ -108,3 +109,44 @@ def test_what_predicts_no_better_is_told_with_its_errors(complete: Tuned) -> Non
     assert (rejected.names, rejected.after) == (("friction",), 2.0 * rejected.before)
     assert held_out is not None
     np.testing.assert_array_equal(held_out.before, held_out.after)
+
+
+def with_readings(model: Model, readings: FloatArray) -> Model:
+    """The same with other readings of the first recording, shape (n,) [m]."""
+    first, *others = model.problem.recordings
+    return replace(model, problem=replace(model.problem, recordings=(replace(first, reading=readings), *others)))
+
+
+def untuned(model: Model) -> HeldOutErrors:
+    """Errors of the engine as it is."""
+    windows = fitted_stretches(model.problem)
+    before = fit(model, windows, [], {}, fixed={LEVEL: 0.0})
+    found = held_out_errors(model, windows, Selection(before, before, {}, (), ()))
+    assert found is not None
+    return found
+
+
+def test_what_is_predicted_is_not_used_where_a_window_begins_without_readings(complete: Tuned) -> None:
+    """Begin the same runs whatever is read behind the known 2 s, though the first second of these has no readings."""
+    recording = complete.model.problem.recordings[0]
+    time = recording.time - recording.time[0]
+    into = time % AHEAD  # blocks begin one after the other
+    missing = np.where(into < 1.0, np.nan, recording.reading)
+    moved = np.where((into >= KNOWN) & (into < KNOWN + 0.9), missing + 5e-3, missing)
+    first, other = (untuned(with_readings(complete.model, readings)).predicted for readings in (missing, moved))
+    assert len(first) == len(other) > 2
+    for one, same in zip(first, other, strict=True):
+        # The windows of a block are fitted together, those that hold the moved readings too, up to a tolerance.
+        np.testing.assert_allclose(one.before, same.before, rtol=0.0, atol=1e-5)
+
+
+def test_a_block_of_too_few_readings_is_left_out_and_counted(complete: Tuned) -> None:
+    """Keep the errors of the others."""
+    recording = complete.model.problem.recordings[0]
+    time = recording.time - recording.time[0]
+    few = np.arange(len(time)) % 48 == 0  # 0.48 s apart: five in 2 s and eleven in 5 s at most
+    readings = np.where((time > 5.0) & ~few, np.nan, recording.reading)
+    model = with_readings(complete.model, readings)
+    found = untuned(model)
+    assert found.left_out > 0
+    assert len(found.blocks) + found.left_out == len(blocks_of(model.problem.recordings))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from harness.tuning.estimate.fit import Fitted
 from harness.tuning.estimate.free import Free
-from harness.tuning.estimate.selection import Selection
+from harness.tuning.estimate.selection import Screened, Selection
 from harness.tuning.identifiability import INDEX, combinations
 
 RADIUS = Free("rolling_radius_m", "m", 0.0118, 0.004, 0.0132, True, (0.011,), quantity="rolling_radius")
 INERTIA = Free("inertia_kg_m2", "kg m²", 5e-6, 1.6e-6, 1.5e-5, True, (4e-6,), quantity="inertia")
+RADIUS_ALONE = (RADIUS.name,)
 
 
 def selection(jacobian: np.ndarray) -> Selection:
@@ -39,3 +43,18 @@ def test_quantities_that_act_differently_are_told_apart() -> None:
     """Name no combination where the sensitivities are orthogonal."""
     time = np.linspace(0.0, 2.0 * np.pi, 50, endpoint=False)
     assert combinations(selection(np.column_stack((np.sin(time), np.cos(time)))), (RADIUS, INERTIA)) == ()
+
+
+def test_a_quantity_that_was_not_fitted_moves_as_if_it_were() -> None:
+    """Give the same combination where the inertia, at its default, has only been screened."""
+    run = np.linspace(0.0, 1.0, 50) ** 2
+    wiggle = 1e-3 * np.sin(np.arange(50))
+    both = selection(np.column_stack((2.0 * run, -run + wiggle)))
+    found = replace(both.found, names=RADIUS_ALONE, free=(RADIUS,), jacobian=both.found.jacobian[:, :1])
+    (at,) = INERTIA.tried
+    assert INERTIA.default is not None
+    response = both.found.jacobian[:, 1] * (INERTIA.scaled(at) - INERTIA.scaled(INERTIA.default))
+    screened = {INERTIA.name: Screened(INERTIA.name, 10.0, (at,), (), 0.0, response, at)}
+    alone = Selection(found, found, screened, (), RADIUS_ALONE)
+    (fitted,), (one,) = (combinations(each, (RADIUS, INERTIA)) for each in (both, alone))
+    assert one.moves == pytest.approx(fitted.moves)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.effects import acting
 from analytic.rig import Rig
 from harness.engines.catalogue import engine_of, parameters_of
 from harness.identify.pose import problem_of
@@ -83,3 +84,13 @@ def test_a_ball_that_slides_between_windows_is_no_missing_physics(problem: Probl
     steepest = float(recording.drive.time[np.argmax(np.abs(recording.drive.states[:, 0]))])
     badly_begun = stretches_of(problem, recording, [(steepest, 17.0)])
     assert not fit(model, badly_begun, tuned, truth).complete
+
+
+@pytest.mark.parametrize("delay", [-0.6, 0.6])
+def test_cells_lie_where_the_angle_is_known(problem: Problem, delay: float) -> None:
+    """Leave out readings of a ball that was on a beam before or after its recording, and keep the others."""
+    delayed = replace(problem, declared=(*problem.declared, acting("channel_delay", {"delay": delay})))
+    begin, end = problem.recordings[0].drive.time[[0, -1]]
+    time = np.concatenate([one.time for one in fitted_stretches(delayed)]) - delay
+    assert np.all((time >= begin) & (time <= end))
+    assert np.ptp(time) > end - begin - 0.7

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.refit import refit
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.windows import Block, Window, blocks_of
+from harness.identify.problem.windows import Block, Window, block_groups, without_predicted
 from harness.numerics import rms
 from harness.threads import in_threads
 
@@ -24,8 +23,7 @@ Groups = list[tuple[tuple[Window, ...], list[Block]]]
 
 def groups_of(recordings: Sequence[PreparedRecording]) -> Groups:
     """Blocks by the windows to fit to while they are held out."""
-    groups = [list(group) for _, group in groupby(blocks_of(recordings), key=lambda block: block.group)]
-    return [(blocks[0].fitted, blocks) for blocks in groups]
+    return [(blocks[0].fitted, blocks) for blocks in block_groups(recordings)]
 
 
 def group_fits(problem: Problem, whole: Fit) -> list[tuple[Fit, list[Block]]]:
@@ -65,13 +63,5 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
 def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
     if whole.estimator is Estimator.FREE_RUNS:
         return replace(fit_without(problem, whole, fitted), process_noise=whole.process_noise)
-    rest = _without(problem, [window for block in blocks for window in block.held_out])
+    rest = without_predicted(problem, blocks)
     return tuned_to_windows(problem, refit(rest, whole), fitted)
-
-
-def _without(problem: Problem, held_out: Sequence[Window]) -> Problem:
-    """The problem without the readings of the predicted parts of windows."""
-    readings = {id(one): one.reading.copy() for one in problem.recordings}
-    for window in held_out:
-        readings[id(window.recording)][window.use][window.judged] = np.nan
-    return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain, groupby
+from itertools import chain
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
 from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import Block, Window, blocks_of
+from harness.identify.problem.windows import Block, Window, block_groups
 from harness.parallel import side_by_side
 
 _SHARE = 0.95  # of the readings that the band shall hold
@@ -34,7 +34,7 @@ def cross_validated(problem: Problem, whole: Fit, *, jobs: int = 1) -> Fit:
         whole: to all windows.
         jobs: processes for the folds.
     """
-    made = side_by_side([partial(_without, problem, whole, fold) for fold in _folds(problem)], jobs)
+    made = side_by_side([partial(_without, problem, whole, fold) for fold in block_groups(problem.recordings)], jobs)
     of_blocks = np.concatenate(made)
     means = np.mean(of_blocks, axis=0)
     best = int(np.flatnonzero(means <= (1.0 + problem.settings.held_out_rival) * means.min())[-1])
@@ -55,13 +55,8 @@ def with_band(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
     Args:
         jobs: processes for the folds.
     """
-    ratios = side_by_side([partial(_ratios, problem, found, fold) for fold in _folds(problem)], jobs)
+    ratios = side_by_side([partial(_ratios, problem, found, fold) for fold in block_groups(problem.recordings)], jobs)
     return replace(found, band=widened(list(chain.from_iterable(ratios))) / TWO_SIDED)
-
-
-def _folds(problem: Problem) -> list[list[Block]]:
-    """Blocks that are held out together, in the order of all blocks."""
-    return [list(group) for _, group in groupby(blocks_of(problem.recordings), key=lambda block: block.group)]
 
 
 def _without(problem: Problem, whole: Fit, blocks: Sequence[Block]) -> FloatArray:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +96,8 @@ class Window:
 def windows_of(recordings: Sequence[PreparedRecording], stride: float = AHEAD) -> tuple[Window, ...]:
     """Windows, 2 s known and 3 s predicted, that begin every `stride` [s].
 
-    By default they are consecutive: the predicted parts do not overlap.
+    By default they are consecutive: the predicted parts do not overlap. A shorter recording may give one that ends
+    with it.
     """
     windows = []
     for recording in recordings:
@@ -158,8 +160,8 @@ def fitted_windows(recordings: Sequence[PreparedRecording]) -> tuple[Window, ...
     return windows_of(recordings, _STRIDE_FITTED)
 
 
-def blocks_of(recordings: Sequence[PreparedRecording], count: int = GROUPS) -> tuple[Block, ...]:
-    """Blocks of 3 s, in `count` groups of neighbours that are held out together; empty if there is too little to fit.
+def blocks_of(recordings: Sequence[PreparedRecording]) -> tuple[Block, ...]:
+    """Blocks of 3 s, in six groups of neighbours that are held out together; empty if there is too little to fit.
 
     Windows to predict begin every second and windows to fit every two, so that short recordings tell what they can.
     """
@@ -172,13 +174,27 @@ def blocks_of(recordings: Sequence[PreparedRecording], count: int = GROUPS) -> t
             held.append([window])
     fitted = fitted_windows(recordings)
     blocks = []
-    for number, group in enumerate(np.array_split(np.arange(len(held)), min(count, len(held)) or 1)):
+    for number, group in enumerate(np.array_split(np.arange(len(held)), min(GROUPS, len(held)) or 1)):
         out = [window for i in group for window in held[i]]
         kept = _apart(fitted, out)
         if len(kept) < _FEWEST_FITTED:
             return ()
         blocks += [Block(tuple(held[i]), kept, number) for i in group]
     return tuple(blocks)
+
+
+def block_groups(recordings: Sequence[PreparedRecording]) -> list[list[Block]]:
+    """Blocks that are held out together, in the order of all blocks."""
+    return [list(group) for _, group in groupby(blocks_of(recordings), key=lambda block: block.group)]
+
+
+def without_predicted(problem: Problem, blocks: Sequence[Block]) -> Problem:
+    """The problem without the readings of the predicted parts of these blocks."""
+    readings = {id(one): one.reading.copy() for one in problem.recordings}
+    for block in blocks:
+        for window in block.held_out:
+            readings[id(window.recording)][window.use][window.judged] = np.nan
+    return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
 
 
 def _apart(windows: Sequence[Window], held_out: Sequence[Window]) -> tuple[Window, ...]:

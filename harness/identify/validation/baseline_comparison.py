@@ -13,13 +13,12 @@ from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.validation.baselines import BLACK_BOXES, FITS
-from harness.metrics.bootstrap import Margin, rms_reduction
+from harness.metrics.bootstrap import FEWEST, Margin, rms_reduction
 from harness.numerics import rms
 from harness.progress import Progress, silent
 
 BEFORE, AFTER = "before", "after"
 BASELINES = tuple(FITS)
-_FEWEST = 4  # blocks for an interval of a difference
 
 
 @dataclass(frozen=True)
@@ -34,13 +33,8 @@ class BaselineComparison:
         return len(self.errors[AFTER])
 
     @property
-    def best_baseline(self) -> str:
-        """The baseline of least RMS error."""
-        return min(BASELINES, key=self.rms)
-
-    @property
     def best_simple_baseline(self) -> str:
-        """The same of those that are no black boxes."""
+        """The baseline of least RMS error that is no black box."""
         return min((name for name in BASELINES if name not in BLACK_BOXES), key=self.rms)
 
     def rms(self, source: str) -> float:
@@ -49,7 +43,7 @@ class BaselineComparison:
 
     def margin(self, baseline: str) -> Margin | None:
         """Reduction of the RMS error from a baseline to the model after [m]; `None` for too few blocks."""
-        return None if self.blocks < _FEWEST else rms_reduction(self.errors[baseline], self.errors[AFTER])
+        return None if self.blocks < FEWEST else rms_reduction(self.errors[baseline], self.errors[AFTER])
 
     def won(self, baseline: str) -> int:
         """Number of blocks that the model after predicts better than a baseline."""

@@ -24,7 +24,7 @@ from harness.tuning.estimate.windows import Stretch
 
 ROBUST = 3.0
 """Whitened residual from which the soft L1 loss weighs less: hardly any normal one reaches it."""
-_CLIPPED = 0.9947  # mean of min(z², 9) of a standard normal z
+_CLIPPED = 0.9950  # mean of min(z², 9) of a standard normal z
 _MEDIAN = 0.6745  # median absolute value of a standard normal variable
 _WRONG = 2.0  # excess from which a model is clearly incomplete
 _STEPS = (1e-3, 2e-3)  # of difference quotients by a start [m], [m/s]

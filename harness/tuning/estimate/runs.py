@@ -125,9 +125,8 @@ class Model:
         """Recorded positions at the cells of one window, shape (m,) [m]."""
         recording, declared = window.recording, self.problem.declared
         sensor = sensor_with(declared)
-        motion = motion_for_engine(declared, recording.drive, recording.time)
-        at = np.maximum(window.time - sensor.delay, recording.time[0])
-        at = at + 1e-9 * np.arange(len(at))  # stamps before the recording's begin would be equal
+        motion = motion_for_engine(declared, recording.drive, recording.drive.time)
+        at = window.time - sensor.delay
         force = force_of(declared, rig, motion, at, parameters.time_step, origin=recording.origin)
         position = float(sensor.position(start[:1])[0])
         velocity = float(start[1] / sensor.slope(np.array([position]))[0])

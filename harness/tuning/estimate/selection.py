@@ -44,7 +44,7 @@ class Screened:
         tried: the values.
         begin: those of them from which to fit, most promising first.
         gain: decrease of the deviance that a line from the default to the most promising one predicts.
-        response: change of the whitened residuals at the most visible value, starts projected out, shape (readings,).
+        response: change of the whitened runs at the most visible value, starts projected out, shape (readings,).
         at: that value.
         failed: of the values tried, those with which the engine does not run through every window.
         failure: how it fails with the first of these.

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +44,14 @@ class Stretch:
 
     Attributes:
         recording: to which it belongs.
+        begin: time at which it begins, before the first cell [s].
         time: of the m cells, shape (m,) [s].
         reading: mean reading of each, shape (m,) [m].
         root: lower Cholesky factor of the covariance, shape (m, m) [m].
     """
 
     recording: PreparedRecording
+    begin: float
     time: FloatArray
     reading: FloatArray
     root: FloatArray
@@ -70,7 +72,7 @@ class Stretch:
     def part(self, use: NDArray[np.bool_]) -> Stretch:
         """Its first cells alone, those where `use`, shape (m,), holds."""
         count = int(use.sum())
-        return Stretch(self.recording, self.time[:count], self.reading[:count], self.root[:count, :count])
+        return replace(self, time=self.time[:count], reading=self.reading[:count], root=self.root[:count, :count])
 
 
 def fitted_stretches(problem: Problem) -> tuple[Stretch, ...]:
@@ -110,7 +112,9 @@ def stretches_of(problem: Problem, recording: PreparedRecording, spans: Sequence
     drive = recording.drive
     errors = np.array([path.states[:, 0] for path in drive.draw(_DRAWS, seed=0)]) - drive.states[:, 0]
     pull = problem.rig.gravity * problem.rig.rolling_ratio * np.cos(drive.states[:, 0])
-    known = np.isfinite(recording.reading)
+    ball_time = recording.time - problem.sensor(()).delay
+    inside = (ball_time >= drive.time[0]) & (ball_time <= drive.time[-1])  # elsewhere nobody knows the angle
+    known = np.isfinite(recording.reading) & inside
     made = []
     for begin, end in spans:
         use = known & (recording.time >= begin - _ROUNDING) & (recording.time < end - _ROUNDING)
@@ -123,12 +127,9 @@ def stretches_of(problem: Problem, recording: PreparedRecording, spans: Sequence
             continue
         time = np.bincount(place, recording.time[use]) / count
         reading = np.bincount(place, recording.reading[use]) / count
-        inside = slice(*np.searchsorted(drive.time, (time[0] - _CELL, time[-1] + _CELL)))
-        made.append(
-            Stretch(
-                recording, time, reading, _root(problem, time, count, drive.time[inside], (errors * pull)[:, inside])
-            )
-        )
+        near = slice(*np.searchsorted(drive.time, (time[0] - _CELL, time[-1] + _CELL)))
+        root = _root(problem, time, count, drive.time[near], (errors * pull)[:, near])
+        made.append(Stretch(recording, begin, time, reading, root))
     return made
 
 
