@@ -17,6 +17,7 @@ import numpy as np
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Estimator, Fit
+from harness.identify.problem.hypothesis import PHASE
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.identify.problem.windows import AHEAD
@@ -34,11 +35,11 @@ class Criterion:
         """BIC of a fit, with or without process noise, whichever is lower; process noise counts as a parameter.
 
         Up to the price of one parameter, which all hypotheses then have in common. Of a fit to free runs it is the log
-        of its mean held-out error in m, which each parameter, a spline term for one, has to reduce by
-        `held_out_share`.
+        of its mean held-out error in m, which each parameter, a spline term and an effect with a value for each
+        recording for one, has to reduce by `held_out_share`.
         """
         if fit.estimator is Estimator.FREE_RUNS:
-            numbers = len(fit.hypothesis.parameters) + (fit.hypothesis.spline is not None)
+            numbers = _numbers(fit) + (fit.hypothesis.spline is not None)
             return math.log(np.mean(fit.held_out)) + self.settings.held_out_share * numbers
         price = math.log(fit.readings)
         return min(fit.deviance, fit.quiet_deviance - price) + price * len(fit.theta)
@@ -68,7 +69,7 @@ class Criterion:
             tests: how many exchanges this one is the best of.
         """
         if rule is Rule.EXCHANGE:
-            other = len(tried.hypothesis.parameters) != len(against.hypothesis.parameters)
+            other = _numbers(tried) != _numbers(against)
             settled = other or self._surely_exchanged(tried, against, tests)
             return self.gain(tried, against) > 0.0 and not settled
         threshold = self.settings.spline_keep if rule is Rule.SPLINE else self.settings.pair_penalty
@@ -104,7 +105,7 @@ class Criterion:
         """The best fit of its round is kept if it lowers the criterion by more than `keep`."""
         best = evidence.winner is None or evidence.winner is tried
         kept = best and gain > self.settings.keep
-        return kept, self._because(tried, against, gain, kept, evidence)
+        return kept, self._because(tried, gain, kept, evidence)
 
     def _drop(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """An effect found earlier is kept if it still lowers the criterion by `keep`."""
@@ -127,7 +128,7 @@ class Criterion:
             if behind < 0.0:
                 return kept, f"{_lowers(gain)}, only {-behind:.1f} more than the simpler effect that it would replace"
             return kept, f"{_lowers(gain)}, {behind:.1f} less than the effect that it would replace"
-        return kept, self._because(tried, against, gain, kept, evidence)
+        return kept, self._because(tried, gain, kept, evidence)
 
     def _split(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """Two effects replace one if they lower the criterion by `pair_penalty`, and each of them by `keep`."""
@@ -247,7 +248,7 @@ class Criterion:
         before, after = np.array(against.held_out), np.array(tried.held_out)
         return mean_reduction(before, after, self.settings.chance / tests)
 
-    def _because(self, tried: Fit, against: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
+    def _because(self, tried: Fit, gain: float, kept: bool, evidence: Evidence) -> str:
         lowers = _lowers(gain)
         if kept:
             return lowers
@@ -345,7 +346,17 @@ def same_laws(name: str, beside: set[str]) -> set[str]:
 
 
 def _simpler(tried: Fit, against: Fit) -> bool:
-    return len(tried.hypothesis.parameters) < len(against.hypothesis.parameters)
+    return _numbers(tried) < _numbers(against)
+
+
+def _numbers(fit: Fit) -> int:
+    """Parameters of the effects, with which held-out errors are weighed.
+
+    Of an effect with a value for each recording they tell one: the spread, as the values of a held-out recording are
+    fitted to its known part.
+    """
+    each = [name for name in fit.hypothesis.own if name != PHASE]
+    return len(fit.hypothesis.parameters) + len(each)
 
 
 def _log_ratio(evidence: Evidence) -> float:

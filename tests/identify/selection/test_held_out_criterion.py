@@ -148,3 +148,12 @@ def test_predictions_are_poor_where_a_complete_model_errs_less(
     problem = cast(Problem, SimpleNamespace(reading_variance=1e-6, colour=WHITE, angle_floor=floor, recordings=(one,)))
     assert C.predicts_poorly(problem, [0.5 * complete * error, 1.5 * complete * error]) is poor
     assert not C.predicts_poorly(problem, [])
+
+
+def test_a_value_for_each_recording_has_to_pay_as_one_for_all() -> None:
+    """Weigh a level of each recording as a level of all: neither simpler than it nor kept for a thousandth."""
+    level, each = free(1.0, "level_error"), free(1.01, "level_per_recording")
+    assert C.value(free(1.0, "level_per_recording")) == C.value(level)
+    assert not C.decide(Rule.EXCHANGE, each, level, Evidence(winner=each, tests=20)).kept
+    for name in ("level_error", "level_per_recording"):
+        assert not C.decide(Rule.PRUNE, free(0.999, name), free(1.0)).kept
