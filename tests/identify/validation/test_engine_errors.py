@@ -128,3 +128,13 @@ def test_of_many_recordings_the_engines_run_six(short: Problem, base: Fit) -> No
         assert run["recordings"] == ["0", "2", "4", "6", "8", "10"]
         # The recordings are the same one under many names, so any mean over them is that of one.
         assert run["heldout"]["before"]["rms_m"] == pytest.approx(run["before"]["rms_m"])
+
+
+def test_a_part_of_a_recording_drifts_from_the_begin_of_the_whole(plain: Posed, base: Fit) -> None:
+    """Predict as CAM does in the last seconds of a recording, in which a drift has long begun."""
+    record = plain.problem.recordings[0]
+    late = record.time > record.time[-1] - SECONDS
+    last = PreparedRecording("last", record.time[late], record.reading[late], record.drive)
+    problem = replace(plain.problem, recordings=(last,))
+    # of the 10 s before these a drift that begins with them would lose 5 mrad, 16 cm after 3 s
+    agree(problem, base, supposed(base, [acting("level_drift", {"rate": 5e-4})]))
