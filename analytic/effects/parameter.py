@@ -108,6 +108,22 @@ class Parameter:
         neutral = self.neutral_on(rig)
         return _FACTOR_OFF * neutral if neutral else abs(self.typical)
 
+    def direction_on(self, visited: FloatArray, rig: Rig) -> float:
+        """Towards which side of doing nothing, +1 or −1, it is typically off: towards the other where that is none.
+
+        Args:
+            visited: positions, shape (n,) [m].
+        """
+        neutral = self.neutral_on(rig)
+        direction = math.copysign(1.0, self.typical - neutral)
+        low, high = self.bounds_on(visited, rig)
+        room = high - neutral if direction > 0.0 else neutral - low
+        return direction if room >= self.size(rig) else -direction
+
+    def typical_on(self, visited: FloatArray, rig: Rig) -> float:
+        """A typical value on this rig, in its unit: as far from doing nothing as it typically is."""
+        return self.neutral_on(rig) + self.direction_on(visited, rig) * self.size(rig)
+
     def starts_on(self, visited: FloatArray, rig: Rig) -> Sequence[float]:
         """Where fits begin, for recordings that visit these positions, shape (n,) [m]."""
         if callable(self.starts):

@@ -75,3 +75,10 @@ def short(
     problem = problem_of(case)
     found = fit(problem, Hypothesis(tuple(hidden)))
     return Short(folder, experiment, case, problem, found, fit(problem, Hypothesis((rival,))))
+
+
+def on_flat_rail(problem: Problem) -> Problem:
+    """The same recordings of a smaller ball that rolls on its own radius, with the same K."""
+    rig, radius = problem.rig, 0.0105
+    inertia = rig.inertia * (radius / rig.rolling_radius) ** 2
+    return replace(problem, rig=rig.with_(radius=radius, rolling_radius=radius, inertia=inertia))

@@ -63,7 +63,7 @@ def choose_to_discriminate(
 
     def separate(run: SimulatedRun, rounds: int) -> list[float]:
         new = [rival_deviance(problem, run, pair.fit, steady_filters, rounds=rounds) for pair in pairs]
-        return [_sigma(problem, old + more) for old, more in zip(at_hand, new, strict=True)]
+        return [_sigma(old + more) for old, more in zip(at_hand, new, strict=True)]
 
     runs = [run for run in in_threads(simulate, LIBRARY) if run is not None]
     if not runs:
@@ -73,7 +73,7 @@ def choose_to_discriminate(
     sigmas |= dict(zip(best, in_threads(partial(separate, rounds=_ROUNDS), best), strict=True))
     chosen = max(best, key=lambda run: min(sigmas[run]))
     separations = tuple(
-        Separation(pair.found, pair.rival, _sigma(problem, old), sigma, pair.needed)
+        Separation(pair.found, pair.rival, _sigma(old), sigma, pair.needed)
         for pair, old, sigma in zip(pairs, at_hand, sigmas[chosen], strict=True)
     )
     if all(one.at_hand >= one.needed and one.expected < one.at_hand + _WORTH for one in separations):
@@ -98,7 +98,7 @@ def choose_to_detect(
     steady_filters = SteadyFilters.of(
         envelope.interval, problem.reading_variance, problem.with_angle(found.process_noise)
     )
-    alternatives = [_with_typical_effect(found, name, envelope) for name in unseen]
+    alternatives = [_with_typical_effect(problem, found, name, envelope) for name in unseen]
     criterion = Criterion(problem.settings)
     needed = [criterion.detection_limit(len(envelope.time), len(CATALOGUE[name].parameters)) for name in unseen]
 
@@ -107,9 +107,7 @@ def choose_to_detect(
         if run is None:
             return None
         others = (simulate_with_terms(problem, a, found.process_noise, profile, envelope, run) for a in alternatives)
-        return run, [
-            _sigma(problem, steady_filters.deviance(mean_innovations(problem, other, found.terms))) for other in others
-        ]
+        return run, [_sigma(steady_filters.deviance(mean_innovations(problem, other, found.terms))) for other in others]
 
     def rating(sigmas: Sequence[float]) -> tuple[int, float]:
         """Number of effects revealed, and the sum of shares of the detection limits for equal numbers."""
@@ -178,15 +176,17 @@ def _only_in(fit: Fit, other: Fit) -> list[str]:
     return names
 
 
-def _sigma(problem: Problem, deviance: float) -> float:
+def _sigma(deviance: float) -> float:
     """Separation √ΔD of a difference of deviance ΔD [σ]."""
     return math.sqrt(max(deviance, 0.0))
 
 
-def _with_typical_effect(found: Fit, name: str, envelope: OperatingEnvelope) -> Terms:
+def _with_typical_effect(problem: Problem, found: Fit, name: str, envelope: OperatingEnvelope) -> Terms:
     """The identified terms and one more effect of typical size, in the middle of the envelope if it has a place."""
     effect = CATALOGUE[name]
-    sizes = {p.name: envelope.middle if p.place else p.typical for p in effect.parameters}
+    sizes = {
+        p.name: envelope.middle if p.place else p.typical_on(problem.visited, problem.rig) for p in effect.parameters
+    }
     return replace(found.terms, effects=(*found.terms.effects, Acting(effect, sizes)))
 
 

@@ -70,7 +70,7 @@ class Feedback(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _play(
+def _servo_and_ball(
     target: FloatArray, push: FloatArray, dt: float, p: FloatArray, servo: Servo, feedback: Feedback
 ) -> tuple[FloatArray, FloatArray]:
     """Simulate servo and ball while feedback makes the ball follow `target`, shape (n,) [m].
@@ -156,7 +156,7 @@ def _simulate(
     # The stiffness is limited by the sampling interval and by the largest acceleration.
     stiffness = min(_STIFFEST, 0.5 / envelope.interval, np.sqrt(_SOFTER * envelope.acceleration / envelope.angle))
     servo = Servo(float(stiffness), _SHARE * envelope.limits, transmission.gain, 0.5 * transmission.play)
-    return _play(target, push, envelope.interval, p, servo, Feedback(profile.hold, envelope.pull))
+    return _servo_and_ball(target, push, envelope.interval, p, servo, Feedback(profile.hold, envelope.pull))
 
 
 def _predict(

@@ -21,7 +21,7 @@ MOST_RUNS = 10
 
 @dataclass(frozen=True)
 class Separation:
-    """Separation √(ΔD/ĉ) of the identified model from a rival.
+    """Separation √ΔD of the identified model from a rival.
 
     Attributes:
         found, rival: names of the two.

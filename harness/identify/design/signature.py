@@ -112,8 +112,8 @@ class Signature:
         return parameter is self.main or parameter.name in self.effect.strengths
 
     def _sign(self, parameter: Parameter) -> float:
-        neutral = parameter.neutral_on(self.reference.problem.rig)
-        return math.copysign(1.0, parameter.typical - neutral)
+        problem = self.reference.problem
+        return parameter.direction_on(problem.visited, problem.rig)
 
     def _value(self, parameter: Parameter, size: float) -> float:
         """The parameter's value at a size."""

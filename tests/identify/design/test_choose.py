@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.effects import CATALOGUE
 from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
 from harness.identify.design.closed_loop import simulate_closed_loop
 from harness.identify.design.excitation import LIBRARY, envelope_of
@@ -20,7 +21,7 @@ from harness.identify.problem.settings import DEFAULT
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.decision import Decision, Evidence, Rule
 from harness.identify.selection.ledger import Line
-from tests.identify.short_rig import GAIN, LEVEL, RADIUS, ROLLING, SEEDS, Short, short
+from tests.identify.short_rig import GAIN, LEVEL, RADIUS, ROLLING, SEEDS, Short, on_flat_rail, short
 
 
 @pytest.fixture(scope="module")
@@ -251,3 +252,13 @@ def test_the_sentence_says_what_to_do(proposal: Proposal) -> None:
         proposal, Separation("a", "b", 9.0, 11.0, 2.4)
     )
     assert "it reveals 1 (lag at 7.0 σ)" in told(proposal, Separation("lag", NOTHING, 0.0, 7.0, 3.7))
+
+
+def test_an_effect_is_designed_for_at_a_size_that_the_rig_can_have(radius: Short) -> None:
+    """Look for a radius smaller than the ball's on a flat rail, where it is the largest there can be."""
+    flat = on_flat_rail(radius.problem)
+    parameter = CATALOGUE[RADIUS].parameters[0]
+    assert parameter.typical > flat.rig.radius  # of the paper's ball, larger than this one
+    low, high = parameter.bounds_on(flat.visited, flat.rig)
+    assert low < parameter.typical_on(flat.visited, flat.rig) < high
+    assert choose_to_detect(flat, fit(flat, Hypothesis(())), [RADIUS]) is not None

@@ -18,6 +18,7 @@ from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.decision import Rule
 from harness.recording import load_case
 from harness.simulator import Experiment, write_case
+from tests.identify.short_rig import on_flat_rail
 
 EFFECTS = ("level_error", "viscous_damping", "angle_lag", "position_gain")
 
@@ -104,3 +105,10 @@ def test_what_is_left_once_the_rest_is_explained_is_what_a_complete_model_shows(
     lower = {name: explained[name] / complete[name] for name in complete}
     for name in ("linkage_backlash", "angle_hold", "angle_lag", "angle_servo"):
         assert 1.0 / 1.5 < lower[name] / lower["channel_delay"] < 1.5, (name, lower[name])
+
+
+def test_a_ball_on_a_flat_rail_may_roll_on_a_smaller_radius(tmp_path: Path) -> None:
+    """Give a limit for the rolling radius where the known one is the largest there can be."""
+    flat = on_flat_rail(problem_with(tmp_path / "case", {}))
+    found = {one.effect: one for one in detection_limits(flat).limits}
+    assert math.isfinite(found["rolling_radius"].limit)
