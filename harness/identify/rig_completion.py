@@ -100,9 +100,9 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     """
     known, rough, wanted = case.rig, rough_rig(case.rig), missing(case.rig)
     level = level_angle == "estimate" or (level_angle is None and known.level_angle is None and bool(wanted))
-    if isinstance(level_angle, float):
+    if level_angle not in (None, "estimate"):
         try:
-            rough = rough.with_(level_angle=level_angle)
+            rough = rough.with_(level_angle=float(level_angle))
         except RigError as error:
             raise InputError(f"--level-angle: {error}") from error
     assumed = tuple(

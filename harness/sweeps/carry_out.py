@@ -101,7 +101,7 @@ def _facts(plan: Plan, run: Run) -> dict[str, Any]:
         "recording": run.recording,
         "source": run.source,
         "point": run.point,
-        "motion_s": plan.durations[at],
+        "motion_s": plan.durations[at],  # of a run that gives nothing, as it has none of its own
         **run.values,
     }
 

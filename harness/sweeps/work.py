@@ -139,6 +139,7 @@ def _measured(setting: Setting, run: Run) -> Row:
     error = made.position - trusted[horizon.stamps]
     error = error[np.isfinite(error)]
     return {
+        "motion_s": float(np.sum(setting.time[horizon.last] - setting.time[horizon.first])),
         "error_cam_max_m": max_error(reference),
         "error_cam_rms_m": rms_error(reference),
         "error_measured_max_m": max_error(error),

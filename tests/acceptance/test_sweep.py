@@ -60,6 +60,14 @@ def test_every_run_is_a_row(made: Sweep) -> None:
     assert (good[good["source"] == "cam"]["error_cam_max_m"] == 0.0).all()
 
 
+def test_the_time_of_a_run_is_that_of_its_windows(folder: Path) -> None:
+    """Count the windows that restart, not what a recording has behind the last of them."""
+    spec = 'cases = ["rig"]\nrecordings = ["rec_01.csv"]\nsources = ["cam"]\nwindow_s = 0.8\n'
+    (folder / "windows.toml").write_text(spec, encoding="utf-8")
+    (row,) = sweep(folder / "windows.toml", out=folder / "windows").runs.to_dict("records")
+    assert row["motion_s"] == pytest.approx(3 * 0.8, abs=0.02)  # of 3 s
+
+
 def test_results_say_what_rows_say(made: Sweep) -> None:
     """Name the failures, the combination closest to the measurement, and each step size with its errors."""
     runs, results = made.runs, made.results

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,8 @@ from analytic.models import CAM
 from analytic.motion import State
 from analytic.rig import Rig
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of
-from harness.identify.rig_completion import contradicted, missing, rig_of_ratio, rough_rig
-from harness.recording import KnownRig
+from harness.identify.rig_completion import complete_rig, contradicted, missing, rig_of_ratio, rough_rig
+from harness.recording import KnownRig, load_case
 from tests.motions import Sines
 
 CASES = [
@@ -108,3 +110,11 @@ def test_the_radius_alone_is_not_missed() -> None:
     assert missing(KnownRig(**complete)) == {"lever"}
     assert missing(KnownRig(gravity=9.81)) == {"ratio", "lever"}
     assert rough_rig(KnownRig(**complete, eccentricity=0.035)).rolling_ratio == pytest.approx(Rig().rolling_ratio)
+
+
+@pytest.mark.parametrize("level", [0, 0.0])
+def test_a_level_angle_may_be_given_as_a_whole_number(level: float) -> None:
+    """Take the given angle in place of that of rig.toml, written as 0 as well as 0.0."""
+    case = load_case("paper_protocol")
+    tilted = replace(case, rig=replace(case.rig, level_angle=0.02))
+    assert complete_rig(tilted, next(iter(case.recordings.values())), level).rig.level_angle == 0.0

@@ -298,7 +298,7 @@ class Problem:
             stamps = recording.drive.time
             step, mean = float(np.median(np.diff(stamps))), float((stamps[-1] - stamps[0]) / (len(stamps) - 1))
             step = mean if mean > _BUNCHED * step else step
-            span = max(int(_FLOOR_SPAN / step), 1)
+            span = min(max(int(_FLOOR_SPAN / step), 1), len(stamps) - 1)
             for path in recording.drive.draw(_FLOOR_DRAWS, seed=0):
                 error = path.states[:, 0] - recording.drive.states[:, 0]
                 turned = np.cumsum(error) * step

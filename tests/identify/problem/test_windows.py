@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from analytic.rig import Rig
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import AHEAD, KNOWN, blocks_of, fitted_windows, folds
+from harness.signals.drive import make_drive
 from tests.posed import pose
 
 
@@ -65,3 +67,11 @@ def test_every_recording_is_held_out_once_in_few_folds(problem: Problem, count: 
     for fold in made:
         assert {one.name for one in (*fold.left, *fold.problem.recordings)} == {one.name for one in many}
         assert len(fold.left) + len(fold.problem.recordings) == count
+
+
+def test_a_recording_shorter_than_the_span_of_the_floor_has_one(recordings: tuple[PreparedRecording, ...]) -> None:
+    """Estimate the input-noise floor of 0.3 s of angles as a number that no motion has."""
+    one = recordings[0]
+    drive = make_drive(one.drive.time[:30], one.drive.states[:30, 0])
+    short = PreparedRecording(one.name, one.time[:30], one.reading[:30], drive)
+    assert 0.0 < Problem((short,), Rig(), (), 1e-8).angle_floor < 1e-2
