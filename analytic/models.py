@@ -104,7 +104,7 @@ def coefficients(model: Model, rig: Rig) -> FloatArray:
 
     With k = 1/(1 + J/(m ρ²)) it holds k g [m/s²], k or 0 [1], k (h + r + J/(m r)) or 0 [m], α₀ [rad], a flag for
     sin α → α, the reading, the friction's gain (k f_b g, or k f_b/m for the viscous reading) and v_t [m/s]; then k,
-    h + r and g. No effect acts yet.
+    h + r, g, 1/r and r. No effect acts yet.
     """
     rho = rig.radius if model.inertia_radius == "R" else rig.rolling_radius
     k = 1.0 / (1.0 + rig.inertia / (rig.mass * rho**2))

@@ -12,7 +12,7 @@ import numpy as np
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.law import DRY_OF_POSITION, DRY_OF_TIME, OF_VELOCITY, acceleration, dry_limit, normal_force
+from analytic.law import DRY_OF_TIME, OF_VELOCITY, acceleration, dry_limit, has_dry_friction, normal_force
 from analytic.motion import FloatArray
 
 _PIECES = 8  # of a step of a ball that slips: it stops slipping, or turning, once or twice within it
@@ -52,12 +52,7 @@ def advance(
     middle, end = row + 1, row + 2
     if p[slots.DAHL] != 0.0:
         w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[slots.DAHL_STIFFNESS])
-    dry = (
-        p[slots.DRY_PLUS] != 0.0
-        or p[slots.DRY_MINUS] != 0.0
-        or p[slots.DRY_STATIC] != 0.0
-        or p[slots.SHAPE] >= DRY_OF_POSITION
-    )
+    dry = has_dry_friction(p)
     lost = _lost(s, v, h, beam, middle, p) if dry else 0.0
     u = v - lost
     k1 = acceleration(s, u, beam[row, 0], beam[row, 1], beam[row, 2], p)

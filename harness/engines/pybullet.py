@@ -31,7 +31,7 @@ from harness.engines.protocol import Engine, Task
 from harness.engines.stderr import without_lines
 from harness.engines.watch import Samples
 from harness.errors import HarnessError
-from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf
+from urdf.scene import CHORD_X, CHORD_Z, PIVOT, ball_urdf, beam_urdf, iterations_for
 
 with without_lines(b"pybullet build time"):  # a greeting, written from C at the first import
     import pybullet as pybullet
@@ -206,12 +206,6 @@ class _Scene:
         return math.hypot(*pybullet.getBaseVelocity(self.ball, self.client)[0])
 
 
-def _iterations(rig: Rig) -> int:
-    """Iterations that leave exp(−6) of an error: each leaves cos² 2β for normals that enclose 2 β."""
-    groove = 0 if channel_of(rig).flat else math.ceil(1.5 / rig.contact_angle**2)
-    return max(FEWEST_ITERATIONS, groove)
-
-
 def _load(rig: Rig, settings: PyBulletParameters, client: int) -> _Scene:
     """Load beam and ball with every setting made explicit."""
     tilt = rig.level_angle
@@ -219,7 +213,7 @@ def _load(rig: Rig, settings: PyBulletParameters, client: int) -> _Scene:
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=settings.time_step,
         numSubSteps=0,
-        numSolverIterations=settings.solver_iterations or _iterations(rig),
+        numSolverIterations=settings.solver_iterations or iterations_for(rig, FEWEST_ITERATIONS),
         solverResidualThreshold=settings.solver_residual_threshold,
         contactBreakingThreshold=settings.contact_breaking_threshold,
         contactSlop=settings.contact_slop,

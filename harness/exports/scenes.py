@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from analytic.geometry import channel_of
 from analytic.rig import Rig
 from harness.engines.injection import engine_settings
 from harness.engines.mujoco_parameters import MuJoCoParameters
@@ -13,11 +12,11 @@ from harness.exports.carried import levels, scene_effects
 from harness.exports.model import ExportModel
 from harness.exports.source import render
 from mjcf.scene import make_scene
-from urdf.scene import ball_urdf, beam_urdf
+from urdf.scene import ball_urdf, beam_urdf, iterations_for
 
 MJCF_FILE, BEAM_FILE, BALL_FILE, LOADER_FILE = "ball_beam.xml", "ball_beam.urdf", "ball.urdf", "load_in_pybullet.py"
 
-_FEWEST = 100  # iterations of Bullet's solver
+_FEWEST = 100  # iterations of Bullet's solver: for a user's own steps and motions
 
 
 def scene_rig(model: ExportModel, *, slips: bool) -> Rig:
@@ -25,11 +24,6 @@ def scene_rig(model: ExportModel, *, slips: bool) -> Rig:
     kept = scene_effects(model, slips=slips)
     tilt = math.fsum(one.values[one.effect.parameters[0].name] for one in kept if levels(one.effect))
     return model.rig.with_(level_angle=model.rig.level_angle + tilt)
-
-
-def _iterations(rig: Rig) -> int:
-    """Of Bullet's solver, which leaves cos² 2β of an error each for contacts that lean by β: exp(−6) of it."""
-    return _FEWEST if channel_of(rig).flat else max(_FEWEST, math.ceil(1.5 / rig.contact_angle**2))
 
 
 def mjcf_files(model: ExportModel) -> dict[str, str]:
@@ -57,7 +51,7 @@ def urdf_files(model: ExportModel) -> dict[str, str]:
             "beam": BEAM_FILE,
             "ball": BALL_FILE,
             "gravity": gravity,
-            "iterations": _iterations(rig),
+            "iterations": iterations_for(rig, _FEWEST),
             "height": rig.eccentricity + rig.rolling_radius,
             "start": start_of(model),
         },

@@ -154,11 +154,11 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
     implausible = tuple(
         one.name for one in acting.effect.parameters if not one.plausible(acting.values[one.name], problem.rig)
     )
-    each = _by_recording(problem, acting.effect, found)
+    each = _by_recording(acting.effect, found)
     return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), each, implausible)
 
 
-def _by_recording(problem: Problem, effect: Effect, found: Fit) -> dict[str, Estimate]:
+def _by_recording(effect: Effect, found: Fit) -> dict[str, Estimate]:
     """The value of an effect in each recording, if they differ."""
     if effect.by_recording is None:
         return {}

@@ -70,7 +70,7 @@ class Local:
                 busy = [one for one in workers if one.busy]
                 if not busy:
                     return
-                for worker, result in self._ended(busy, time_limit):
+                for worker, result in self._ended(busy):
                     if isinstance(result, _Broken):
                         workers.remove(worker)
                         worker.end()
@@ -112,7 +112,7 @@ class Local:
             with suppress(OSError):  # it has died, which the wait for its result tells
                 worker.pipe.send(worker.argument)
 
-    def _ended(self, busy: list[_Worker], time_limit: float | None) -> Iterator[tuple[_Worker, Any]]:
+    def _ended(self, busy: list[_Worker]) -> Iterator[tuple[_Worker, Any]]:
         """Jobs that have come to an end, after waiting for one."""
         left = min(one.deadline for one in busy) - time.monotonic()
         ready = wait([one.pipe for one in busy], None if left == float("inf") else max(left, 0.0))

@@ -22,11 +22,9 @@ from numpy.typing import NDArray
 
 from analytic.compiled import njit
 from analytic.motion import FloatArray
-from harness.signals.spline_smoother import Smoothed
+from harness.signals.spline_smoother import STEP_ROOT, Smoothed
 
-# Root of K = [1/20 1/8 1/6; 1/8 1/3 1/2; 1/6 1/2 1] in Q = density · h · diag(h², h, 1) K diag(h², h, 1).
-_ROOT = np.linalg.cholesky(np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]]))
-_ROOT_INVERSE = np.linalg.inv(_ROOT)
+_ROOT_INVERSE = np.linalg.inv(STEP_ROOT)
 
 
 class ErrorProcess(NamedTuple):
@@ -105,7 +103,7 @@ def error_process(smoothed: Smoothed, variance: FloatArray) -> ErrorProcess:
         precision = np.where(np.isfinite(variance) & (variance > 0.0), 1.0 / variance, 0.0)
     n = len(smoothed.time)
     transition, root = np.empty((n - 1, 3, 3)), np.empty((n - 1, 3, 3))
-    _recur(np.diff(smoothed.time), smoothed.density, precision, _ROOT, _ROOT_INVERSE, transition, root)
+    _recur(np.diff(smoothed.time), smoothed.density, precision, STEP_ROOT, _ROOT_INVERSE, transition, root)
     covariance = smoothed.covariance.copy()
     variances = np.einsum("kii->ki", covariance)
     np.maximum(variances, 0.0, out=variances)  # one of an angle that is known exactly may be negative by rounding

@@ -26,6 +26,7 @@ _WITHOUT_SPIKES = 20  # passes in which all is noise: looked for at once, spikes
 _REACH = 3.0  # standard deviations of the core within which a reading is noise and no spike
 _DISTINCT = 5.0  # times the core's standard deviation: no sensor's noise varies so much over its range
 _PRIOR_READINGS = 2.0  # weight of the prior that there are no spikes
+_DECLARED_READINGS = 20.0  # for how many readings a declared noise counts
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,6 @@ def smooth_spiky(
     *,
     least: float = 0.0,
     declared: float | None = None,
-    prior_weight: float = 20.0,
     least_density: float = 0.0,
 ) -> Spiky:
     """Smooth a signal with spikes.
@@ -103,8 +103,7 @@ def smooth_spiky(
         time: stamps, shape (n,), strictly increasing [s].
         value: readings, shape (n,), NaN where none was taken [unit].
         least: the core noise is no smaller, e.g. that of rounding [unit].
-        declared: the declared core noise [unit].
-        prior_weight: number of readings that `declared` counts for [1].
+        declared: the declared core noise, which counts for 20 readings [unit].
         least_density: the density of the white third derivative is no smaller [unit²/s⁵].
     """
     n = len(time)
@@ -112,7 +111,7 @@ def smooth_spiky(
     value = np.where(known, value, 0.0)
     least = max(least, 1e-9)
     lowest = math.log(least_density) if least_density > 0.0 else LOG_DENSITIES[0]
-    declared, prior_weight = (0.0, 0.0) if declared is None else (declared, prior_weight)
+    declared, weight = (0.0, 0.0) if declared is None else (declared, _DECLARED_READINGS)
     core = known.astype(float)
     noise = Noise(max(rough_noise(value[known]), least) ** 2, 0.0, 0.0, 0.0)
     stiffness = Stiffness.constant(time, lowest)
@@ -133,7 +132,7 @@ def smooth_spiky(
             core[known] = far <= _REACH * 1.4826 * np.median(far)
         elif turn > _WITHOUT_SPIKES:
             core[known] = noise.probability(residual, posterior)
-        before, noise = noise, _learn(core[known], residual, posterior, least, declared, prior_weight)
+        before, noise = noise, _learn(core[known], residual, posterior, least, declared, weight)
         settled = stride < _SETTLED_STRIDE and abs(noise.core / before.core - 1.0) < _SETTLED
         if turn > _WITHOUT_SPIKES and settled:
             break

@@ -21,6 +21,8 @@ from analytic.motion import FloatArray
 _DIFFUSE = np.array([1e2, 1e3, 1e4])
 # Bounds of the log density of the third derivative [unit²/s⁵]: from a signal at rest to one no servo can follow.
 LOG_DENSITIES = (-22.0, 20.0)
+STEP_ROOT = np.linalg.cholesky(np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]]))
+"""Lower root of K in the covariance of the disturbance of a step, Q = density · h · diag(h², h, 1) K diag(h², h, 1)."""
 
 
 @dataclass(frozen=True)
@@ -253,13 +255,12 @@ def draw(smoothed: Smoothed, variance: FloatArray, count: int, generator: np.ran
     """
     time, n = smoothed.time, len(smoothed.time)
     steps = np.diff(time)
-    root = np.linalg.cholesky(np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1.0]]))
     scale = np.sqrt(smoothed.density * steps)[:, None] * np.column_stack((steps**2, steps, np.ones(n - 1)))
     deviation = np.sqrt(np.where(np.isfinite(variance), variance, 0.0))
     paths = np.empty((count, n, 3))
     for path in paths:
         path[0] = 0.0  # the prior is diffuse there, so that any start will do
-        disturbances = scale * (generator.standard_normal((n - 1, 3)) @ root.T)
+        disturbances = scale * (generator.standard_normal((n - 1, 3)) @ STEP_ROOT.T)
         # ẍ, ẋ, x in turn: each is the sum of its disturbances and of the integral of the one before
         path[1:, 2] = np.cumsum(disturbances[:, 2])
         path[1:, 1] = np.cumsum(disturbances[:, 1] + steps * path[:-1, 2])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled import njit
+from analytic.law import has_dry_friction
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
@@ -31,7 +32,7 @@ from harness.identify.filter.arguments import (
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, has_dry_friction, may_stop
+from harness.identify.filter.points import FIRST, REACH, SECOND, SHIFT, may_stop
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of, triangular
 

@@ -15,9 +15,7 @@ import math
 
 import numpy as np
 
-from analytic import slots
 from analytic.compiled import njit
-from analytic.law import DRY_OF_POSITION
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
@@ -29,17 +27,6 @@ FIRST = 0.5 / REACH  # factor of f(x + √3 l) − f(x − √3 l) in the root o
 SECOND = 0.5 * math.sqrt(REACH_SQUARE - 1.0) / REACH_SQUARE  # factor of f(x + √3 l) + f(x − √3 l) − 2 f(x) in it
 SHIFT = 0.5 / REACH_SQUARE  # factor of the same in the mean
 _SLOW = 2.0  # standard deviations of the velocity beyond which no point stops, at √3 of them
-
-
-@njit(cache=True, inline="always")
-def has_dry_friction(p: FloatArray) -> bool:
-    """Whether a friction acts that can stop the ball within a step and hold it."""
-    return (
-        p[slots.DRY_PLUS] != 0.0
-        or p[slots.DRY_MINUS] != 0.0
-        or p[slots.DRY_STATIC] != 0.0
-        or p[slots.SHAPE] >= DRY_OF_POSITION
-    )
 
 
 @njit(cache=True, inline="always")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from analytic.compiled import njit
-from analytic.law import acceleration
+from analytic.law import acceleration, has_dry_friction
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
 from analytic.shared_step import ball_step, beam_step
@@ -27,7 +27,7 @@ from harness.identify.filter.arguments import (
     velocity_nudge,
     weighted,
 )
-from harness.identify.filter.points import has_dry_friction, may_stop, step_at_points
+from harness.identify.filter.points import may_stop, step_at_points
 from harness.signals.error_process import ErrorProcess
 from harness.signals.triangular_roots import root_of
 

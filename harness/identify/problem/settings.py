@@ -38,7 +38,7 @@ class Settings:
         20.0,
         "smallest decrease of the BIC for which a spline term is kept, and difference of the BIC up to which another "
         "regressor is named too [1]",
-        "eight kinds with twelve parameters each can fit small errors in the law of a catalogue effect",
+        "ten kinds with twelve parameters each can fit small errors in the law of a catalogue effect",
     )
     at_floor_ratio: float = _setting(
         3.0,

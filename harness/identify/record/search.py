@@ -16,7 +16,7 @@ from harness.identify.record.parts import Finite, Number, Part, Positive
 
 
 class EvidenceRecord(Part):
-    """Evidence of a decision (`harness.identify.selection.criterion.Evidence`), with fits by name."""
+    """Evidence of a decision (`harness.identify.selection.decision.Evidence`), with fits by name."""
 
     winner: str | None = None
     holder: str | None = None

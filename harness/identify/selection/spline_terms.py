@@ -257,7 +257,7 @@ def _as_fine_as_pays(problem: Problem, found: Fit, spline: SplineTerm, process_n
 
 
 def visited(problem: Problem, depends: Regressor) -> tuple[float, float]:
-    """Range of a regressor in the recordings, in its unit, without 0.5 % at either end."""
+    """Range of a regressor in the recordings, in its unit; of a measured one without 0.5 % at either end."""
     match depends:
         case Regressor.TIME:
             return min(r.time[0] for r in problem.recordings), max(r.time[-1] for r in problem.recordings)
