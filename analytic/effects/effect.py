@@ -22,7 +22,7 @@ from analytic.rig import Rig
 
 Write = Callable[[FloatArray, Rig, Values], None]
 """Adds an effect to a kernel vector, shape (SLOTS,), in place; effects of one kind add up."""
-Terms = Callable[[float, Rig, Values], Mapping[int, float]]
+SlotTerms = Callable[[float, Rig, Values], Mapping[int, float]]
 """What an effect adds to slots of the kernel vector, given k = 1/(1 + J/(m r²)) [1]."""
 Alter = Callable[[Rig, Values], Rig]
 """The rig as it is instead of as it is declared."""
@@ -36,7 +36,7 @@ SplineKind = tuple[str, bool]
 sensor, which depends on the position too; and whether it is a dry friction."""
 
 
-def adding(terms: Terms) -> Write:
+def adding(terms: SlotTerms) -> Write:
     """The `write` of an effect that adds `terms` to the vector."""
 
     def write(p: FloatArray, rig: Rig, values: Values) -> None:

@@ -15,7 +15,7 @@ from analytic.slots import ORIGIN
 from harness.comparison.horizons import Horizon, horizons
 from harness.errors import InputError
 from harness.identify.estimate.rig import FittedRig
-from harness.identify.rig_completion import Estimate, complete_rig
+from harness.identify.rig_completion import RigEstimate, complete_rig
 from harness.metrics import TOLERANCE
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
@@ -70,7 +70,7 @@ class Setting:
     choices: Choices
     rig: Rig
     fitted: FittedRig | None
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[RigEstimate, ...]
     acting: tuple[Acting, ...]
     drive: Drive
     ball: BallEstimate

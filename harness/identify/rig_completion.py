@@ -56,7 +56,7 @@ def rough_rig(known: KnownRig) -> Rig:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class RigEstimate:
     """One estimated quantity: value and standard error in `unit` (infinite if assumed), and the method."""
 
     name: str
@@ -78,7 +78,7 @@ class CompletedRig:
 
     rig: Rig
     fitted: FittedRig | None
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[RigEstimate, ...]
 
 
 class NotRolling(InputError):
@@ -132,24 +132,24 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     count = "one recording" if len(used) == 1 else f"{len(used)} recordings"
     friction = f"together with a rolling friction f = {round(fitted.friction, 6):.2g} ± {fitted.friction_std:.1g}"
     how = f"least squares on the innovations of {count}, {friction}"
-    estimates: list[Estimate] = []
+    estimates: list[RigEstimate] = []
     rig = rough.with_(level_angle=fitted.level)
     if ratio:
-        estimates.append(Estimate("rolling ratio K", fitted.ratio, fitted.std[0], "1", how))
+        estimates.append(RigEstimate("rolling ratio K", fitted.ratio, fitted.std[0], "1", how))
         rig, chosen = rig_of_ratio(known, rig, fitted.ratio, fitted.std[0])
         estimates.append(chosen)
     if fitted.std[2]:
         eccentricity = fitted.lever - rig.rolling_radius - rig.inertia / (rig.mass * rig.rolling_radius)
         rig = rig.with_(eccentricity=eccentricity)
-        estimates.append(Estimate("eccentricity h", eccentricity, fitted.std[2], "m", how))
+        estimates.append(RigEstimate("eccentricity h", eccentricity, fitted.std[2], "m", how))
     elif lever:
         estimates.append(_assumed("eccentricity h", 0.0, "m", "the α̈ term is too weak to estimate it"))
     if level:
-        estimates.append(Estimate("level angle α₀", fitted.level, fitted.std[1], "rad", how))
+        estimates.append(RigEstimate("level angle α₀", fitted.level, fitted.std[1], "rad", how))
     return CompletedRig(rig, fitted, (*estimates, *assumed))
 
 
-def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, Estimate]:
+def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, RigEstimate]:
     """A rig with rolling ratio K = `ratio` and its known quantities unchanged; and the quantity adapted for this.
 
     K determines only J/(m r²) = 1/K − 1. For a ball of known or solid inertia, r is adapted; if r is known or would be
@@ -209,5 +209,5 @@ def contradicted(known: KnownRig, rig: Rig) -> DataFinding | None:
     return DataFinding("warning", "rig.toml", text, "rig-contradicted")
 
 
-def _assumed(name: str, value: float, unit: str, why: str) -> Estimate:
-    return Estimate(name, value, math.inf, unit, f"assumed: {why}")
+def _assumed(name: str, value: float, unit: str, why: str) -> RigEstimate:
+    return RigEstimate(name, value, math.inf, unit, f"assumed: {why}")

@@ -21,13 +21,12 @@ from harness.identify.estimate.own_values import own_of
 from harness.identify.model_file import prepared_for, read_model, rig_of
 from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
-from harness.identify.validation.engine_errors import law_of
+from harness.identify.validation.engine_errors import InjectedLaw, law_of
 from harness.preparation.recordings import observe
 from harness.signals.ball_state import BallEstimate
 from harness.signals.drive import Drive
 
 FEWEST = 4  # stamps of a run that is worth showing, and that a cubic goes through
-Law = Callable[[FloatArray, float], None]
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class _Acting:
     ball: BallEstimate
     drive: Drive
     phase: float = 0.0
-    law: Law | None = None
+    law: InjectedLaw | None = None
     error: PositionError | None = None
     state: Callable[[int], tuple[float, float, float]] | None = None
 

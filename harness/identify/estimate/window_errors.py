@@ -11,7 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import own_of
-from harness.identify.filter.run import FilterRun, Part, run_parts
+from harness.identify.filter.run import Excerpt, FilterRun, run_parts
 from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
@@ -73,7 +73,7 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence
         by_recording.setdefault(id(window.recording), []).append(i)
     for places in by_recording.values():
         recording = windows[places[0]].recording
-        parts = [Part(windows[i].use, np.where(windows[i].known, windows[i].reading, np.nan)) for i in places]
+        parts = [Excerpt(windows[i].use, np.where(windows[i].known, windows[i].reading, np.nan)) for i in places]
         if all(own[i] is None for i in places):
             done = run_parts(problem, recording, found.terms, found.process_noise, parts)
         else:

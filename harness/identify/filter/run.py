@@ -82,12 +82,12 @@ def run_filter(
         shared: whether rests on one count inform once, as an estimate from all recordings needs it; a prediction is of
             one rest and its error.
     """
-    part = Part(slice(None), reading)
+    part = Excerpt(slice(None), reading)
     (run,) = run_parts(problem, recording, added, process_noise, [part], own=own, points=points, shared=shared)
     return run
 
 
-class Part(NamedTuple):
+class Excerpt(NamedTuple):
     """Consecutive stamps of a recording, and readings in place of its own, NaN where missing [m]; as many."""
 
     use: slice
@@ -99,7 +99,7 @@ def run_parts(
     recording: PreparedRecording,
     added: Terms,
     process_noise: float,
-    parts: Sequence[Part],
+    parts: Sequence[Excerpt],
     *,
     own: Own | None = None,
     points: bool = True,
@@ -215,6 +215,6 @@ def deviance_of(
     reading = recording.reading if reading is None else reading
     known = np.flatnonzero(np.isfinite(reading))
     part = slice(int(known[0]), int(known[-1]) + 1)  # nothing is predicted before or behind
-    (run,) = run_parts(problem, recording, added, process_noise, [Part(part, reading[part])], own=own, shared=True)
+    (run,) = run_parts(problem, recording, added, process_noise, [Excerpt(part, reading[part])], own=own, shared=True)
     use = filtered_against(reading[part])
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])

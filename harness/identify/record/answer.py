@@ -6,12 +6,12 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from harness.identify.record.parts import Finite, Number, Part, Positive
+from harness.identify.record.parts import Finite, Number, Positive, RecordPart
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
 
 
-class ParameterRecord(Part):
+class ParameterRecord(RecordPart):
     """A fitted parameter: value, 95 % interval, unit."""
 
     value: Finite
@@ -25,7 +25,7 @@ class ParameterRecord(Part):
         return self.low, self.high
 
 
-class EffectRecord(Part):
+class EffectRecord(RecordPart):
     """An identified effect; `effect["coefficient"]` is its parameter of that name.
 
     `by_recording` has its value in each recording where these differ. `implausible` names the parameters whose value is
@@ -42,7 +42,7 @@ class EffectRecord(Part):
         return self.parameters[parameter]
 
 
-class ShapeRecord(Part):
+class ShapeRecord(RecordPart):
     """The nodes of a spline term: `values` [`unit`] at abscissae `at`, in the unit of its regressor.
 
     Those of a periodic one are of one period, after which they repeat themselves.
@@ -64,14 +64,14 @@ class ShapeRecord(Part):
         return self
 
 
-class UnlistedRecord(Part):
+class UnlistedRecord(RecordPart):
     """An unlisted effect: its regressors, strongest first, and its spline term."""
 
     depends_on: tuple[DependsName, ...]
     shape: ShapeRecord
 
 
-class DependenceRecord(Part):
+class DependenceRecord(RecordPart):
     """Test of innovations against one input: p value, largest correlation and its lag."""
 
     p: Finite
@@ -79,7 +79,7 @@ class DependenceRecord(Part):
     lag_s: Number
 
 
-class RmsRecord(Part):
+class RmsRecord(RecordPart):
     """RMS prediction errors by horizon [m]."""
 
     rms_m: dict[str, Number]
@@ -93,7 +93,7 @@ class ErrorsRecord(RmsRecord):
     innovation_on_beam: dict[str, DependenceRecord]
 
 
-class BeforeAfterRecord(Part):
+class BeforeAfterRecord(RecordPart):
     """Errors without and with the identified terms."""
 
     before: ErrorsRecord
@@ -106,7 +106,7 @@ class EngineErrorsRecord(RmsRecord):
     failed: str | None = None
 
 
-class EngineBeforeAfterRecord(Part):
+class EngineBeforeAfterRecord(RecordPart):
     """Errors of an engine without and with the identified terms."""
 
     before: EngineErrorsRecord
@@ -126,7 +126,7 @@ class AlsoRecord(BeforeAfterRecord):
     engines: dict[str, EngineRecord]
 
 
-class AllErrorsRecord(Part):
+class AllErrorsRecord(RecordPart):
     """Errors before and after; `engines_enter` says in words how each term is injected into the engines."""
 
     identify: BeforeAfterRecord
@@ -136,7 +136,7 @@ class AllErrorsRecord(Part):
     also: dict[str, AlsoRecord]
 
 
-class MarginRecord(Part):
+class MarginRecord(RecordPart):
     """Reduction of the RMS error from a baseline to the model [m]; `sure` if its interval is above zero."""
 
     value: Finite
@@ -145,7 +145,7 @@ class MarginRecord(Part):
     sure: bool
 
 
-class BaselinesRecord(Part):
+class BaselinesRecord(RecordPart):
     """Held-out blocks predicted by the model, `before` and `after`, and by the baselines.
 
     `errors_m` has the RMS error of every block by source, `rms_m` that over all blocks. Windows of `known_s` and then

@@ -11,7 +11,7 @@ from harness.identify.record.answer import AllErrorsRecord, BaselinesRecord, Eff
 from harness.identify.record.model import ModelRecord
 from harness.identify.record.next_experiment import NextExperimentRecord
 from harness.identify.record.notices import FailureRecord, FindingRecord
-from harness.identify.record.parts import Finite, Part
+from harness.identify.record.parts import Finite, RecordPart
 from harness.identify.record.search import FitRecord, InputsRecord, LedgerLine, ProblemRecord
 from harness.provenance import SEAL, seal_of
 
@@ -19,7 +19,7 @@ SCHEMA = 3
 """Version of the format."""
 
 
-class DiagnosisRecord(Part):
+class DiagnosisRecord(RecordPart):
     """diagnosis.json."""
 
     version: Literal[3] = Field(default=3, alias="schema", description="Version of this format.")

@@ -11,14 +11,14 @@ from analytic.rig import Rig
 from analytic.slots import MOST_NODES
 from harness.identify.record.answer import DependsName
 from harness.identify.record.covariance import CovarianceRows, check_square, covariance_fault
-from harness.identify.record.parts import Finite, NotNegative, Part, Positive
+from harness.identify.record.parts import Finite, NotNegative, Positive, RecordPart
 
 EstimatorName = Literal["likelihood", "free_runs"]
 AT_BOUND = 1e-6
 """Share of a parameter's range: fits end at a bound up to rounding."""
 
 
-class SplineTermRecord(Part):
+class SplineTermRecord(RecordPart):
     """A spline term without the values of its nodes."""
 
     depends: DependsName
@@ -40,7 +40,7 @@ class SplineTermRecord(Part):
         return self
 
 
-class RigRecord(Part):
+class RigRecord(RecordPart):
     """A complete rig, as `analytic.rig.Rig`."""
 
     mass: Finite
@@ -59,7 +59,7 @@ class RigRecord(Part):
         return self
 
 
-class SensorsRecord(Part):
+class SensorsRecord(RecordPart):
     """Known properties of the sensors, as `harness.recording.Sensors`."""
 
     angle_resolution: Positive | None = None
@@ -68,21 +68,21 @@ class SensorsRecord(Part):
     position_resolution: Positive | None = None
 
 
-class ActingRecord(Part):
+class ActingRecord(RecordPart):
     """A known effect with its values."""
 
     name: str
     values: dict[str, Finite]
 
 
-class ColourRecord(Part):
+class ColourRecord(RecordPart):
     """What of the reading noise is coloured: share of its variance [1], correlation time [s]."""
 
     share: float = Field(0.0, ge=0.0, le=1.0)
     time_s: float = Field(1.0, gt=0.0, allow_inf_nan=False)
 
 
-class ModelRecord(Part):
+class ModelRecord(RecordPart):
     """The identified model: everything that a prediction needs.
 
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from harness.identify.record.parts import Finite, Number, Part
+from harness.identify.record.parts import Finite, Number, RecordPart
 
 
-class SeparationRecord(Part):
+class SeparationRecord(RecordPart):
     """Separation of the identified model from a rival [σ]."""
 
     found: str
@@ -16,7 +16,7 @@ class SeparationRecord(Part):
     told: bool
 
 
-class LimitsRecord(Part):
+class LimitsRecord(RecordPart):
     """The operating envelope."""
 
     ball_position_m: tuple[Finite, Finite]
@@ -25,7 +25,7 @@ class LimitsRecord(Part):
     beam_acceleration_rad_s2: Finite
 
 
-class NextExperimentRecord(Part):
+class NextExperimentRecord(RecordPart):
     """The proposed next experiment; its beam angle is in `file`."""
 
     profile: str

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 from harness.failures import described
-from harness.identify.record.parts import Part
+from harness.identify.record.parts import RecordPart
 from harness.recording.findings import DataFinding
 
 
-class FailureRecord(Part):
+class FailureRecord(RecordPart):
     """A part that failed and was left out, as `harness.failures.Failed`; the exit code is then 3."""
 
     part: Literal["engine", "candidate", "search", "validation", "baselines", "next_experiment", "prediction", "report"]
@@ -21,7 +21,7 @@ class FailureRecord(Part):
         return described(self.part, self.name, self.message, self.where)
 
 
-class FindingRecord(Part):
+class FindingRecord(RecordPart):
     """A warning or note on the input, as `harness.recording.DataFinding`; `code` is its short, stable name."""
 
     severity: Literal["warning", "note"]

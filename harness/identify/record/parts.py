@@ -19,7 +19,7 @@ Number = Annotated[Finite | None, BeforeValidator(_null)]
 """A number, or null if it is not finite."""
 
 
-class Part(BaseModel):
+class RecordPart(BaseModel):
     """A part of the record, read from JSON or from the attributes of a dataclass."""
 
     model_config = ConfigDict(

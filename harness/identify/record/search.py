@@ -12,10 +12,10 @@ from harness.identify.record.model import (
     RigRecord,
     SplineTermRecord,
 )
-from harness.identify.record.parts import Finite, Number, Part, Positive
+from harness.identify.record.parts import Finite, Number, Positive, RecordPart
 
 
-class EvidenceRecord(Part):
+class EvidenceRecord(RecordPart):
     """Evidence of a decision (`harness.identify.selection.decision.Evidence`), with fits by name."""
 
     winner: str | None = None
@@ -28,7 +28,7 @@ class EvidenceRecord(Part):
     weight: Number = 1.0
 
 
-class LedgerLine(Part):
+class LedgerLine(RecordPart):
     """One decision of the search; `fit` and `against` name the fits compared, `hash` covers the line."""
 
     effect: str
@@ -44,14 +44,14 @@ class LedgerLine(Part):
     hash: str = ""
 
 
-class FittedEffect(Part):
+class FittedEffect(RecordPart):
     """An effect of a fit, with its law."""
 
     name: str
     law: str
 
 
-class FitRecord(Part):
+class FitRecord(RecordPart):
     """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion.
 
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
@@ -79,7 +79,7 @@ class FitRecord(Part):
         return self
 
 
-class SourcesRecord(Part):
+class SourcesRecord(RecordPart):
     """SHA-256 of every input file and versions of the software."""
 
     hashes: dict[str, str]
@@ -93,7 +93,7 @@ class InputsRecord(SourcesRecord):
     seed: int
 
 
-class ProblemRecord(Part):
+class ProblemRecord(RecordPart):
     """The inputs of every fit and decision."""
 
     inputs: SourcesRecord
@@ -109,7 +109,7 @@ class ProblemRecord(Part):
     hash: str = ""
 
 
-class LedgerRecord(Part):
+class LedgerRecord(RecordPart):
     """The search: every decision, the fits that were compared, their problem, and the name of the fit `found`."""
 
     ledger: tuple[LedgerLine, ...]

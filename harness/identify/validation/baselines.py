@@ -27,7 +27,7 @@ from harness.identify.validation.output_error import OutputError, fit_poles
 _MEMORIES = (0.1, 0.2, 0.4, 0.7, 1.0, KNOWN)  # spans that the start of a baseline may be taken over [s]
 
 
-class Law(Protocol):
+class BaselineLaw(Protocol):
     """A model that is linear in its gains and in the initial state of a window."""
 
     def driven(self, window: Window) -> FloatArray:
@@ -83,7 +83,7 @@ class DoubleIntegrator:
 class Baseline:
     """A fitted law with its gains, shape (gains,), and the last known seconds that its start is taken over."""
 
-    law: Law
+    law: BaselineLaw
     gains: FloatArray
     memory: float = KNOWN
 
@@ -147,13 +147,13 @@ BLACK_BOXES = ("output_error_2", "output_error_3")
 """Of these, those that are fitted to the forecast and know no physics of a ball."""
 
 
-def _with_memory(law: Law, windows: Sequence[Window]) -> Baseline:
+def _with_memory(law: BaselineLaw, windows: Sequence[Window]) -> Baseline:
     """A law without gains, with the memory of least squares over the predicted parts."""
     choices = [Baseline(law, np.empty(0), memory) for memory in _MEMORIES]
     return min(choices, key=lambda one: sum(window.rms_error(one.predict(window)) ** 2 for window in windows))
 
 
-def _gains(law: Law, windows: Sequence[Window]) -> FloatArray:
+def _gains(law: BaselineLaw, windows: Sequence[Window]) -> FloatArray:
     """Gains by least squares, with an initial state per window."""
     projected = []
     for window in windows:

@@ -37,7 +37,7 @@ from harness.parallel import meanwhile
 from harness.progress import Progress, silent
 from harness.scene import Scene
 
-Law = Callable[[FloatArray, float], None]
+InjectedLaw = Callable[[FloatArray, float], None]
 Squares = list[tuple[str, FloatArray]]
 EngineSettings = Mapping[str, Mapping[str, Any]]
 """Settings of engines by name."""
@@ -285,7 +285,7 @@ class _Scene:
         return result
 
 
-def law_of(spline: SplineTerm, phase: float, gravity: float) -> Law:
+def law_of(spline: SplineTerm, phase: float, gravity: float) -> InjectedLaw:
     """A function that writes a spline term into the kernel's vector, one of time before every step; an error of the
     sensor writes nothing."""
     original: dict[int, float] = {}

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from harness.formatting import NONE, brief, length, number, plus_minus
-from harness.identify.rig_completion import Estimate
+from harness.identify.rig_completion import RigEstimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
 from harness.report.tables import Table, texts
@@ -60,12 +60,12 @@ def _rig(subject: Subject) -> Table:
     return Table("Rig used by every source", columns, rows)
 
 
-def _field(estimate: Estimate) -> str:
+def _field(estimate: RigEstimate) -> str:
     """The field of `Rig` that an estimate refers to; empty for the rolling ratio, which combines several."""
     return next((name for start, name in _ESTIMATED.items() if estimate.name.startswith(start)), "")
 
 
-def _status(subject: Subject, name: str, estimate: Estimate | None) -> tuple[str, str]:
+def _status(subject: Subject, name: str, estimate: RigEstimate | None) -> tuple[str, str]:
     setting = subject.study.setting
     if estimate is not None:
         if math.isfinite(estimate.std):
