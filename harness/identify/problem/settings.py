@@ -132,7 +132,8 @@ class Settings:
     )
     held_out_share: float = _setting(
         0.02,
-        "share of the held-out error by which each parameter has to reduce it; a spline term counts as one [1]",
+        "share of the held-out error by which each parameter has to reduce it; a spline term counts as one, and so "
+        "does an effect with a value for each recording [1]",
         "a smaller share is no use to anyone who predicts, and errors of a few dozen blocks scatter by more",
     )
     held_out_rival: float = _setting(
