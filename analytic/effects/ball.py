@@ -88,7 +88,7 @@ ECCENTRIC_PIVOT = Effect(
     write=_pivot,
     code=Code(lever="{eccentricity} + ROLLING_RADIUS + INERTIA / (MASS * ROLLING_RADIUS)"),
     phrase="a pivot eccentricity of {eccentricity}",
-    relations=Relations(once=True, in_baseline=lambda model: model.eccentric),
+    relations=Relations(once=True, stands_for="lever", in_baseline=lambda model: model.eccentric),
 )
 
 BALL = (BALL_IMBALANCE, ROLLING_RADIUS, CONTACT_SLIP, ECCENTRIC_PIVOT)

@@ -29,8 +29,8 @@ Alter = Callable[[Rig, Values], Rig]
 Turn = Callable[[BeamMotion, FloatArray, Values], BeamMotion]
 """The beam's motion behind the measured one, over a recording's stamps, shape (n,) [s]."""
 
-UnknownQuantity = Literal["ratio", "level"]
-"""What a rig file may leave open: K = 1/(1 + J/(m r²)), and the level angle α₀."""
+UnknownQuantity = Literal["ratio", "level", "lever"]
+"""What a rig file may leave open: K = 1/(1 + J/(m r²)), the level angle α₀, and the lever h + r + J/(m r) of α̈."""
 SplineKind = tuple[str, bool]
 """A kind of spline term: the quantity it depends on, as in diagnosis.json, or "reading" for an error of the position
 sensor, which depends on the position too; and whether it is a dry friction."""

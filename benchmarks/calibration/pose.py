@@ -43,7 +43,10 @@ def pose(trial: Trial, folder: Path) -> Problem:
     recordings = experiment.recordings(None if trial.plant == RIG else engine_mover(trial.plant))
     write_case(folder, experiment, [_spoilt(one, trial.spikes) for one in recordings])
     problem = problem_of(load_case(folder))
-    return replace(problem, model=WITHOUT_PIVOT) if PIVOT in trial.hidden else problem
+    if PIVOT not in trial.hidden:
+        return problem
+    unknown = tuple(name for name in problem.unknown if name != PIVOT)  # it is to be found
+    return replace(problem, model=WITHOUT_PIVOT, unknown=unknown)
 
 
 def sized(trial: Trial, folder: Path) -> Values:

@@ -14,7 +14,7 @@ from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
 from harness.recording import Case, KnownRig
 
-_STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level")  # of an incompletely known rig
+_STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level", "lever")  # of an incompletely known rig
 _FEWEST = 20  # readings that a recording must hold to say anything
 
 
@@ -31,15 +31,24 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
         text = f"{case.path}: no recording to identify from has {_FEWEST} known positions or more."
         raise InputError(" ".join([text, *why]))
     declared = declared_effects(case)
-    rig = complete_rig(case, case.recordings[names[0]]).rig
-    every = [observe(case.recordings[name], case.sensors, rig) for name in names]
-    return with_noise_colour(Problem.of(every, rig, declared, unknown_effects(case.rig)))
+    completed = complete_rig(case, case.recordings[names[0]])
+    every = [observe(case.recordings[name], case.sensors, completed.rig) for name in names]
+    unknown = unknown_effects(case.rig, lever=completed.tells_lever)
+    return with_noise_colour(Problem.of(every, completed.rig, declared, unknown))
 
 
-def unknown_effects(known: KnownRig) -> tuple[str, ...]:
-    """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle."""
+def unknown_effects(known: KnownRig, *, lever: bool = True) -> tuple[str, ...]:
+    """Effects that stand for what a rig file leaves open: K scales the angle's effect, α₀ is added to the angle.
+
+    The lever of α̈ is estimated anew beside every effect, as a delay that is not known yet shifts it by centimetres.
+
+    Args:
+        lever: whether the recordings tell it; otherwise it stays as it is assumed.
+    """
     open_ = missing(known)
     if open_ and known.level_angle is None:
         open_ |= {"level"}
+    if not lever:
+        open_ -= {"lever"}
     standing = {effect.relations.stands_for: name for name, effect in CATALOGUE.items()}
     return tuple(standing[quantity] for quantity in _STOOD_FOR if quantity in open_)

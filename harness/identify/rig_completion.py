@@ -80,6 +80,11 @@ class CompletedRig:
     fitted: FittedRig | None
     estimates: tuple[RigEstimate, ...]
 
+    @property
+    def tells_lever(self) -> bool:
+        """Whether the lever ℓ was unknown and the recordings tell it."""
+        return self.fitted is not None and self.fitted.std[2] > 0.0
+
 
 class NotRolling(InputError):
     """Recordings of a ball that does not roll down the recorded angle: signs or units are wrong."""

@@ -160,13 +160,19 @@ def test_what_holds_a_ball_at_rest_is_set_valued(effect: Effect) -> None:
 
 
 def test_one_effect_stands_for_each_unknown_quantity() -> None:
-    """Have one for K and one for α₀, which acts as the rig's level angle does."""
+    """Have one for K, for α₀, which acts as the rig's level angle does, and for h, which acts as its eccentricity."""
     standing = [one.relations.stands_for for one in CATALOGUE.values() if one.relations.stands_for]
-    assert sorted(standing) == ["level", "ratio"]
+    assert sorted(standing) == ["level", "lever", "ratio"]
     (level,) = (one for one in CATALOGUE.values() if one.relations.stands_for == "level")
     tilted = parameters_with(CAM, RIG.with_(level_angle=0.01), NOTHING)
     p = parameters_with(CAM, RIG.with_(level_angle=0.0), [acting(level.name, {"angle": 0.01})])
     assert [acceleration(*state, p) for state in STATES] == [acceleration(*state, tilted) for state in STATES]
+    (pivot,) = (one for one in CATALOGUE.values() if one.relations.stands_for == "lever")
+    lower = parameters_with(CAM, RIG.with_(eccentricity=0.05), NOTHING)
+    p = parameters_with(CAM, RIG.with_(eccentricity=0.0), [acting(pivot.name, {"eccentricity": 0.05})])
+    np.testing.assert_allclose(
+        [acceleration(*state, p) for state in STATES], [acceleration(*state, lower) for state in STATES], rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize(

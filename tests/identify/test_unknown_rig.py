@@ -82,3 +82,22 @@ def test_an_unknown_ratio_does_not_hide_what_acts(tmp_path: Path, hidden: Effect
     assert {one.name for one in said.effects} == set(hidden)
     assert said.found.hypothesis.names[0] == "angle_gain"
     assert all("angle_gain" not in entry.effects for entry in said.ledger)
+
+
+@pytest.mark.slow
+def test_an_unknown_pivot_does_not_take_a_delay_for_a_lever(tmp_path: Path) -> None:
+    """Name a delay alone, at its size, and find where the pivot is, though without the delay it seems elsewhere."""
+    hidden = {"channel_delay": {"delay": 0.06}}
+    write_case(tmp_path, Experiment(declared=DECLARED, hidden=hidden, predict=0, seed=5))
+    file = tmp_path / "rig.toml"
+    lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+    file.write_text("".join(one for one in lines if not one.startswith("eccentricity_m")), encoding="utf-8")
+    problem, truth = problem_of(load_case(tmp_path)), Rig().eccentricity
+    assert "eccentric_pivot" in problem.unknown
+    assert abs(problem.rig.eccentricity - truth) > 0.01  # as it was completed without the delay
+    said = identify(problem)
+    (delay,) = said.effects
+    assert delay.name == "channel_delay"
+    assert delay.parameters["delay"].low < 0.06 < delay.parameters["delay"].high
+    key = "eccentric_pivot", "eccentricity"
+    assert abs(said.found.values()[key] - truth) < 4.0 * said.found.deviations()[key]  # one normal error of 16,000

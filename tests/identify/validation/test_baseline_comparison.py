@@ -142,11 +142,14 @@ def test_short_recordings_hold_nothing_to_compare(rolling: tuple[Posed, Fit, Fit
 
 
 def test_what_the_rig_file_leaves_open_is_fitted_beside() -> None:
-    """Stand in for K by a gain of the angle, and for α₀ by a level error, only where nobody knows them."""
+    """Stand in for K, α₀ and the lever of α̈ by an effect each, only where nobody knows them."""
     whole = KnownRig(mass=0.07, inertia=5e-6, radius=0.0132, rolling_radius=0.0118, eccentricity=0.0, gravity=9.81)
     assert unknown_effects(whole) == ()
     assert unknown_effects(replace(whole, rolling_radius=None)) == ("angle_gain", "level_error")
     assert unknown_effects(replace(whole, rolling_radius=None, level_angle=0.0)) == ("angle_gain",)
+    nowhere = replace(whole, eccentricity=None)
+    assert unknown_effects(nowhere) == ("level_error", "eccentric_pivot")
+    assert unknown_effects(nowhere, lever=False) == ("level_error",)
 
 
 @needs_shared
