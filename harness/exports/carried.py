@@ -148,7 +148,7 @@ def _in_scene(one: Exported, slips: bool) -> Carried:
 def _scene_answer(effect: Effect, slips: bool) -> tuple[bool, str]:
     """Whether a scene has an effect, and how, or why not."""
     code = effect.code
-    if effect.alter is not None:
+    if effect.alter is not None or places_pivot(effect):
         return True, "in the geometry"
     if levels(effect):
         return True, "in the direction of gravity, which acts along the beam as g sin(angle + level)"
@@ -182,6 +182,11 @@ def _scene_answer(effect: Effect, slips: bool) -> tuple[bool, str]:
             "it along the beam in every step"
         )
     return False, "no element of the format is this law; apply the force on the ball in every step"
+
+
+def places_pivot(effect: Effect) -> bool:
+    """Whether it says where the pivot is."""
+    return effect.relations.stands_for == "lever"
 
 
 def levels(effect: Effect) -> bool:

@@ -8,7 +8,7 @@ from analytic.rig import Rig
 from harness.engines.injection import engine_settings
 from harness.engines.mujoco_parameters import MuJoCoParameters
 from harness.exports.beam import channel_in, start_of
-from harness.exports.carried import levels, scene_effects
+from harness.exports.carried import levels, places_pivot, scene_effects
 from harness.exports.model import ExportModel
 from harness.exports.source import render
 from mjcf.scene import make_scene
@@ -23,7 +23,11 @@ def scene_rig(model: ExportModel, *, slips: bool) -> Rig:
     """The rig of the scene: with the effects that change it, and all constant tilts in its level angle."""
     kept = scene_effects(model, slips=slips)
     tilt = math.fsum(one.values[one.effect.parameters[0].name] for one in kept if levels(one.effect))
-    return model.rig.with_(level_angle=model.rig.level_angle + tilt)
+    rig = model.rig.with_(level_angle=model.rig.level_angle + tilt)
+    for one in kept:
+        if places_pivot(one.effect):
+            rig = rig.with_(eccentricity=one.values["eccentricity"])
+    return rig
 
 
 def mjcf_files(model: ExportModel) -> dict[str, str]:

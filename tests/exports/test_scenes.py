@@ -105,6 +105,13 @@ def test_urdf_moves_the_ball_as_the_injected_effects(which: str, tmp_path: Path)
     np.testing.assert_allclose(places, expected, atol=tolerance(expected))
 
 
+def test_a_pivot_that_was_estimated_is_where_the_scene_has_it() -> None:
+    """Place the beam's joint by the eccentricity found beside the effects, not by the one that the rig began with."""
+    model = of_effects(RIG, [acting("eccentric_pivot", {"eccentricity": 0.012})])
+    for slips in (True, False):
+        assert scene_rig(model, slips=slips) == RIG.with_(eccentricity=0.012)
+
+
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_no_effect_is_dropped_silently(name: str) -> None:
     """Change the scene for every effect that is said to be carried, and for no other; say why for the rest."""
