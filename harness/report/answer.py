@@ -31,6 +31,7 @@ class EngineFact:
         numerical, contact: RMS of these parts of its free run's error; NaN without attribution [m].
         failed: message of its first failure, else empty.
         chosen: its contact parameters that are not at their defaults, in words.
+        scene: file of the user's scene that it runs, else empty.
     """
 
     source: str
@@ -39,6 +40,7 @@ class EngineFact:
     contact: float = math.nan
     failed: str = ""
     chosen: Sequence[str] = ()
+    scene: str = ""
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,8 @@ def _engines(facts: Facts) -> str:
             numeric = one.numerical >= one.contact
             stiffness = f"with its {listed(one.chosen)}" if one.chosen else "(stiffen it)"
             cause = "its step size (reduce it)" if numeric else f"its contact model {stiffness}"
+            if one.scene and not numeric:
+                cause = f"the geometry or the contacts of {one.scene} (`harness check-scene {facts.case}`)"
             part = f", mostly due to {cause}"
         said.append(
             f"{label_of(one.source)} differs from {label_of(CAM.name)} by up to {length(one.departure, 2)}{part}"
@@ -223,13 +227,15 @@ def _engine_fact(study: Study, name: str) -> EngineFact:
     away = np.abs(runs.position - cam.position)
     split = next((one.rms() for one in study.attributions if one.source == name), {})
     failures = [failure for failure in study.engine_failures if failure.engine == name]
+    engine, parameters = next(pair for pair in study.engines if pair[0].name == name)
     return EngineFact(
         source=name,
         departure=float(np.nanmax(away)) if np.isfinite(away).any() else math.nan,
         numerical=split.get("numerical", math.nan),
         contact=split.get("contact", math.nan),
         failed=str(failures[0]).removeprefix(f"{name} failed ") if failures else "",
-        chosen=_chosen(next(parameters for engine, parameters in study.engines if engine.name == name)),
+        chosen=_chosen(parameters),
+        scene=engine.scene_file or "",
     )
 
 

@@ -259,15 +259,17 @@ def label_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
                 groups[-1].append(time)
             else:
                 groups.append([time])
-        for group in groups:
+        for before, group in zip([None, *groups], groups, strict=False):
             first, last = brief(group[0], 2), brief(group[-1], 2)
             who = "1 source leaves" if len(group) == 1 else f"{len(group)} sources leave"
             when = f"at {first} s" if first == last else f"at {first}–{last} s"
             right = group[-1] > begin + 0.7 * (end - begin)
+            # Its text goes to the left, where that of an earlier one, which goes to the right, may be.
+            meets = right and before is not None and group[0] - before[-1] < 3.0 * _MIN_LABEL_DISTANCE * (end - begin)
             axes.annotate(
                 f"{who} {when}",
                 (group[0] if right else group[-1], axes.get_ylim()[upwards]),
-                (-7 if right else 7, 3),
+                (-7 if right else 7, 15 if meets else 3),
                 textcoords="offset points",
                 ha="right" if right else "left",
                 va="bottom",

@@ -16,7 +16,7 @@ from harness.engines.catalogue import engine_of
 from harness.errors import InputError
 from harness.recording import Case
 from harness.recording.case import load_case
-from harness.sweeps.factors import RIG, Factor
+from harness.sweeps.factors import RIG, RIG_KEYS, Factor
 from harness.sweeps.ranges import Value
 from harness.sweeps.spec import GRID, SOBOL, Spec
 
@@ -184,7 +184,9 @@ def _check_scene(spec: Spec, case: Case) -> None:
         fields = engine_of(source, case.scene).parameters.model_fields
         for factor in factors:
             table, _, key = factor.name.partition(".")
-            if table == RIG or (table == source and key not in fields):
+            # whatever scene it is, gravity acts along the level
+            fixed = table == RIG and RIG_KEYS[key] != "level_angle"
+            if fixed or (table == source and key not in fields):
                 raise InputError(
                     f"{spec.path}: {factor.name} is fixed in {case.scene.file_of(source)}, the scene of {case.path}; "
                     "drop it, or change it there."

@@ -85,6 +85,10 @@ def test_a_sweep_varies_what_a_scene_has_to_set(harness: Harness, case: Path, tm
     done = harness("sweep", spec, "--out", tmp_path / "out", "--jobs", "1", "--json")
     assert done.code == 0, done.err
     assert pd.read_parquet(tmp_path / "out" / "runs.parquet")["failure"].isna().tolist() == [True, True]
+    spec.write_text(f"{head}[rig]\nlevel_angle_rad = [0.0, 0.002]\n", encoding="utf-8")
+    assert harness("sweep", spec, "--out", tmp_path / "tilted", "--jobs", "1").code == 0
+    flat, tilted = pd.read_parquet(tmp_path / "tilted" / "runs.parquet")["error_measured_rms_m"]
+    assert tilted != pytest.approx(flat, rel=0.1)
     for table in ("[mujoco]\nfriction_relaxation = [1.0, 1.5]\n", "[rig]\nradius_m = [0.01, 0.02]\n"):
         spec.write_text(head + table, encoding="utf-8")
         refused = harness("sweep", spec, "--out", tmp_path / "refused")

@@ -101,6 +101,10 @@ def test_engines_that_agree_with_cam():
         (EngineFact("mujoco", 5e-3, 4e-3, 1e-4), "reduce it"),
         (EngineFact("mujoco", 5e-3, 1e-4, 4e-3), "its contact model (stiffen it)"),
         (
+            EngineFact("mujoco", 5e-3, 1e-4, 4e-3, scene="beam.xml"),
+            "the geometry or the contacts of beam.xml (`harness check-scene my_case`)",
+        ),
+        (
             EngineFact("mujoco", 5e-3, 1e-4, 4e-3, chosen=("`rolling_friction` of 0.001",)),
             "its contact model with its `rolling_friction` of 0.001.",
         ),

@@ -45,6 +45,29 @@ def clock(driver):
 
 
 FIRST = "#answer figure .live"
+# Where the line of the instant is in a plot and how wide that is [px], after the browser has drawn twice.
+LINE = """
+  const [figure, done] = arguments;
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    const head = figure.querySelector(".playhead");
+    const at = new DOMMatrix(getComputedStyle(head).transform).m41;
+    done([head.hidden, at, head.parentElement.clientWidth]);
+  }));
+"""
+
+
+def test_the_line_of_the_instant_stands_where_it_is(driver, clock):
+    """Keep it at its time when another span is shown, and hide it when it is not in that."""
+    clock("set(4.2)")
+    figure = driver.find_element("css selector", FIRST)
+    for span in ((3.0, 6.0), (4.0, 5.0)):
+        clock(f"show{span}")
+        begin, end = clock("shown")
+        hidden, at, width = driver.execute_async_script(LINE, figure)
+        assert not hidden
+        assert at == pytest.approx((4.2 - begin) / (end - begin) * width, abs=1.0)
+    clock("show(4.5, 5.5)")
+    assert driver.execute_async_script(LINE, figure)[0]
 
 
 def test_balls_are_where_the_trajectories_are(driver, result):  # noqa: F811

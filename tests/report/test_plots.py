@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.comparison.horizons import Horizon
 from harness.report.palette import LOOKS, look_of
-from harness.report.plots import binned, joined, left_out, mark_exits, middle, thinning
+from harness.report.plots import binned, joined, label_exits, left_out, mark_exits, middle, thinning
 
 
 def exits(values):
@@ -93,3 +94,16 @@ def test_a_law_beyond_its_range_spoils_no_frame():
     values = np.array([np.inf, np.nan, *range(100), -np.inf])
     assert middle(values, 1.0) == pytest.approx([0.99, 98.01])
     assert np.array_equal(middle(np.full(3, np.nan), 1.0), [0.0, 0.0])
+
+
+def test_labels_of_exits_that_come_towards_each_other_do_not_meet() -> None:
+    """Stack a label that goes to the left on one before it that goes to the right."""
+    figure = Figure(figsize=(7.0, 2.5))
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set(xlim=(0.0, 10.0), ylim=(-1.0, 1.0))
+    label_exits(axes, [(6.9, True), (8.2, True), (8.3, True)])
+    figure.canvas.draw()
+    boxes = [one.get_window_extent() for one in axes.texts]
+    assert len(boxes) == 2
+    assert not boxes[0].overlaps(boxes[1])

@@ -98,7 +98,7 @@ def sentence(proposal: Proposal) -> str:
     if pair.at_hand >= pair.needed:
         fewer = " and with fewer parameters" if pair.needed == 0.0 else ""
         return (
-            f"The recordings distinguish {pair.found} from its nearest rival, {pair.rival}, by {pair.at_hand:.1f} σ"
+            f"The recordings distinguish {pair.found} from {pair.rival} by {pair.at_hand:.1f} σ"
             f"{fewer}; to separate them further, {run}: expected separation {pair.expected:.1f} σ."
         )
     if pair.runs > MOST_RUNS and not pair.told:

@@ -247,6 +247,7 @@
               ...(rows ? [(drawn) => report.rows.draw(drawn, panel, data.log)] : panel.zero ? [zeroLine] : []),
               (drawn) => this.bars(drawn, panel),
               () => this.ring(),
+              () => this.instant(),
             ],
           },
         };
@@ -314,8 +315,7 @@
 
     rescale() {
       const [min, max] = this.clock.shown;
-      for (const plot of this.plots) plot.setScale("x", { min, max });
-      if (this.clock.now !== null) this.moved(this.clock.now);
+      for (const plot of this.plots) plot.setScale("x", { min, max }); // applied when it is drawn
     }
 
     hover(plot) {
@@ -363,13 +363,21 @@
           report.points.bars(plot, this.x, one, panel);
     }
 
-    moved(time) {
+    // The line at the chosen instant, by the scale as it is drawn.
+    instant() {
+      const time = this.clock.now;
+      if (time === null) return;
       const timed = this.data.clock !== "";
-      this.plots.forEach((plot, number) => {
+      this.heads.forEach((head, number) => {
+        const plot = this.plots[number];
         const at = plot.valToPos(time, "x");
-        this.heads[number].hidden = !timed || at < 0 || at > plot.over.clientWidth;
-        this.heads[number].style.transform = `translateX(${at}px)`;
+        head.hidden = !timed || at < 0 || at > plot.over.clientWidth;
+        head.style.transform = `translateX(${at}px)`;
       });
+    }
+
+    moved(time) {
+      this.instant();
       if (this.hovered === null) this.values(time);
     }
 
@@ -401,7 +409,6 @@
       const width = this.place.clientWidth;
       if (width === 0) return; // on paper
       for (const plot of this.plots) if (plot.width !== width) plot.setSize({ width, height: plot.height });
-      if (this.clock.now !== null) this.moved(this.clock.now);
     }
   }
 

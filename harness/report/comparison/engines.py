@@ -1,6 +1,7 @@
 """Sections on the engines: their errors split into step size, contact model and missing physics; health, settings."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
@@ -24,6 +25,7 @@ _PARTS = {
     "contact": ("contact model", "#E69F00", "engine at dt → 0 − CAM"),
     "physics": ("missing physics", "#882255", "CAM − recording"),
 }
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _MIN_DRAWN = 1e-9  # lower limit of the logarithmic axis [m]
 
 
@@ -114,15 +116,31 @@ def health(subject: Subject) -> Section | None:
     warnings = {(label_of(run.source), warning) for run in runs for health in run.health for warning in health.warnings}
     context = {
         "failures": [(run.horizon.name, str(failure)) for run in runs for failure in run.failures],
-        "warnings": sorted(warnings),
+        "warnings": _largest(warnings),
         "lift_offs": [(", ".join(map(label_of, who)), text) for text, who in study.sources_by_lift_off.items()],
         "table": _health(runs),
         "settings": [
-            (_title(engine), engine.version(), list(parameters.model_dump().items()))
+            (
+                _title(engine),
+                engine.version(),
+                f"as in {engine.scene_file}" if engine.scene_file else "engine's own",
+                list(parameters.model_dump().items()),
+            )
             for engine, parameters in study.engines
         ],
     }
     return Section("engines", "Engines", "Engines", "comparison/engines.html", context)
+
+
+def _largest(warnings: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Engine and text of each warning, of those that differ in a number alone the one with the largest."""
+    kinds: dict[tuple[str, str], list[str]] = {}
+    for engine, text in sorted(warnings):
+        kinds.setdefault((engine, _NUMBER.sub("", text)), []).append(text)
+    return [
+        (engine, max(texts, key=lambda text: [float(one) for one in _NUMBER.findall(text)]))
+        for (engine, _), texts in kinds.items()
+    ]
 
 
 def _title(engine: Engine) -> str:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from harness.formatting import NONE, brief, length, number, plus_minus
+from harness.formatting import NONE, brief, length, listed, number, plus_minus
 from harness.identify.rig_completion import RigEstimate
 from harness.report.comparison.subject import Subject
 from harness.report.page import Section
@@ -57,7 +57,9 @@ def _rig(subject: Subject) -> Table:
         text = number(value, 4) if estimate is None else plus_minus(value, estimate.std * factor)
         rows.append((title, text, unit, *_status(subject, name, estimate)))
     columns = [*texts("quantity"), "value", *texts("unit", "status", "how")]
-    return Table("Rig used by every source", columns, rows)
+    scenes = [engine.scene_file for engine, _ in subject.study.engines if engine.scene_file]
+    title = f"Rig of the models; that of {listed(scenes)} is in the file" if scenes else "Rig used by every source"
+    return Table(title, columns, rows)
 
 
 def _field(estimate: RigEstimate) -> str:

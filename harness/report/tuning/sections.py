@@ -211,8 +211,9 @@ def inputs(subject: Subject) -> Section:
     table = Table("Recordings fitted to", [*texts("recording"), "length [s]", "positions"], rows)
     found = tuned.selection.found
     before, after = (number(math.sqrt(one.misfit)) for one in (tuned.selection.before, found))
+    lasting = float(np.median([one.time[-1] - one.time[0] for one in tuned.windows]))
     text = (
-        f"{len(tuned.windows)} windows of about 5 s. Noise of a position reading: "
+        f"{len(tuned.windows)} windows of about {number(lasting, 2)} s. Noise of a position reading: "
         f"{length(math.sqrt(problem.reading_variance), 2)}. Root mean square of the residuals over what noise and "
         f"angle error explain: {before} before, {after} after."
     )

@@ -16,6 +16,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.errors import EngineFailure
+from harness.formatting import number
 from harness.jobs import gathered
 from harness.progress import Progress, silent
 from harness.tuning.estimate.fit import Fitted, Objective, deviance_of, fit
@@ -159,7 +160,7 @@ def attempt(name: str, without: Fitted, with_: Fitted, *, kept: bool) -> Attempt
     deviance = (without.deviance - with_.deviance) / with_.inflation
     bic = deviance - math.log(len(with_.residual))
     pays = bic > KEEP
-    why = f"lowers the BIC by {bic:.3g}" if bic > 0.0 else f"does not lower the BIC ({-bic:+.3g})"
+    why = f"lowers the BIC by {number(bic)}" if bic > 0.0 else f"does not lower the BIC (+{number(-bic)})"
     if pays and not kept:
         why += ", but another parameter by more"
     elif not pays:
