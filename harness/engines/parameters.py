@@ -15,3 +15,8 @@ class EngineParameters(BaseModel):
     slip_limit: float = Field(
         0.01, gt=0.0, le=100.0, description="slip velocity beyond which a run counts as sliding [m/s]"
     )
+
+    @classmethod
+    def unit_of(cls, name: str) -> str:
+        """Unit of a setting, as its description has it; "1" for a number."""
+        return (cls.model_fields[name].description or "").partition("[")[2].partition("]")[0] or "1"

@@ -15,6 +15,7 @@ from analytic.motion import FloatArray
 from analytic.naming import did_you_mean
 from analytic.rig import Rig, RigError
 from harness.engines.catalogue import engine_of, parameters_of
+from harness.engines.parameters import EngineParameters
 from harness.errors import InputError
 from harness.recording.rig_file import TABLES
 from harness.sweeps.ranges import Range, Value
@@ -44,6 +45,17 @@ class Factor:
     name: str
     values: tuple[Value, ...] = ()
     range: Range | None = None
+
+    @property
+    def unit(self) -> str:
+        """Its unit, "1" for a number; empty where it is part of the name, as in `rig.mass_kg`."""
+        table, _, key = self.name.partition(".")
+        if table == RIG:
+            return ""
+        if table == EFFECTS:
+            effect, _, parameter = key.partition(".")
+            return next(one.unit for one in CATALOGUE[effect].parameters if one.name == parameter)
+        return engine_of(table).parameters.unit_of(key) if key else EngineParameters.unit_of(TIME_STEP)
 
     @property
     def varied(self) -> bool:

@@ -8,6 +8,7 @@ import pytest
 
 from harness.errors import InputError
 from harness.sweeps import read_spec
+from harness.sweeps.factors import Factor
 from tests.sweeps.made import spec_file
 
 MISTAKES = {
@@ -59,3 +60,18 @@ def test_a_mistake_has_one_message(text: str, tmp_path: Path) -> None:
     assert str(caught.value).startswith(f"{file}: ")
     assert "\n" not in str(caught.value)
     assert "pydantic" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("time_step", "s"),
+        ("mujoco.friction", "1"),
+        ("pybullet.rolling_friction", "m"),
+        ("effects.viscous_damping.coefficient", "N s/m"),
+        ("rig.mass_kg", ""),
+    ],
+)
+def test_a_factor_has_the_unit_of_what_it_sets(name: str, unit: str) -> None:
+    """Take it from the engine's description or the catalogue; that of a rig is part of its name."""
+    assert Factor(name).unit == unit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 from matplotlib.figure import Figure
 
@@ -75,6 +76,11 @@ def _x(runs: Sequence[DrawnRun], name: str) -> list[float]:
     return [float(one.values[name]) for one in runs]
 
 
+def _unit(subject: Subject, name: str) -> str:
+    factors = chain.from_iterable(subject.plan.spec.factors.values())
+    return next(one.unit for one in factors if one.name == name)
+
+
 def chart(subject: Subject, name: str) -> Chart:
     """Errors over one factor as data of the page."""
     runs = _with(subject, name)
@@ -90,7 +96,8 @@ def chart(subject: Subject, name: str) -> Chart:
             traces.insert(0, Trace("best", BEST, _x(best, name), y, dots=True, notes=notes))
         if traces:
             panels.append(Panel(label, "m", traces, log=True, title=title))
-    return Chart(f"runs-{name}", panels, x_label=name, x_unit="", log_x=logarithmic(subject.plan, name))
+    log_x = logarithmic(subject.plan, name)
+    return Chart(f"runs-{name}", panels, x_label=name, x_unit=_unit(subject, name), log_x=log_x)
 
 
 @plots.style()
@@ -112,7 +119,8 @@ def drawn(subject: Subject, name: str) -> Figure:
                 _x(best, name), [one.error_measured for one in best], "o", markersize=8, markerfacecolor="none",
                 markeredgecolor=BEST.colour, label=BEST.label, zorder=BEST.layer,
             )  # fmt: skip
-        axes.set(xlabel=name, ylabel=f"{title} [m]")
+        unit = _unit(subject, name)
+        axes.set(xlabel=f"{name} [{unit}]" if unit else name, ylabel=f"{title} [m]")
         axes.margins(0.08)
         if kept:
             plots.scaled(axes, "y", [getattr(one, output) for one in kept])

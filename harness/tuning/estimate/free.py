@@ -248,13 +248,12 @@ def _of_engine(engine: Engine, settings: EngineParameters, name: str, info: Fiel
     spread = [ends[0] + share * (ends[1] - ends[0]) for share in _SHARES]
     tried = _TRIED.get(key, tuple(math.exp(one) for one in spread) if logarithmic else tuple(spread))
     default = getattr(settings, name)
-    unit = (info.description or "").partition("[")[2].partition("]")[0] or "1"
     kept = tuple(value for value in tried if low <= value <= high and value != default)
     beside = dict(_BESIDE.get(key, {}))
     if key in _RELAXATION_RATE:
         beside["friction_relaxation"] = _RELAXATION_RATE[key] * settings.time_step
     beside = {one: value for one, value in beside.items() if one in engine.parameters.model_fields}
-    return Free(name, unit, default, low, high, logarithmic, kept, beside)
+    return Free(name, engine.parameters.unit_of(name), default, low, high, logarithmic, kept, beside)
 
 
 def _number(info: FieldInfo) -> bool:
