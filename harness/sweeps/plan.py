@@ -16,6 +16,7 @@ from harness.engines.catalogue import engine_of
 from harness.errors import InputError
 from harness.recording import Case
 from harness.recording.case import load_case
+from harness.scene import Scene
 from harness.sweeps.factors import RIG, RIG_KEYS, Factor
 from harness.sweeps.ranges import Value
 from harness.sweeps.spec import GRID, SOBOL, Spec
@@ -84,6 +85,7 @@ class Plan:
         inputs: SHA-256 of every file that was read, by path.
         files: their paths.
         simulated: whether each case says that it is simulated.
+        scenes: of the user's own, one entry a case; `None` where it has none.
         designs: by source.
     """
 
@@ -93,6 +95,7 @@ class Plan:
     inputs: Mapping[str, str]
     files: tuple[Path, ...]
     simulated: tuple[bool, ...]
+    scenes: tuple[Scene | None, ...]
     designs: Mapping[str, Design]
 
     @cached_property
@@ -147,15 +150,20 @@ def plan_of(spec: Spec) -> Plan:
     inputs: dict[str, str] = {}
     files: list[Path] = []
     simulated = []
+    scenes = []
     for number, (written, path) in enumerate(zip(spec.case_names, spec.cases, strict=True)):
         try:
             case = load_case(path)
         except InputError as error:
             raise InputError(f"{spec.path}: cases: {error}") from error
         simulated.append(case.simulated)
+        scenes.append(case.scene)
         _check_scene(spec, case)
         if case.sha256:
             inputs[f"{written}: rig.toml"] = case.sha256
+        if case.scene is not None:
+            inputs |= {f"{written}: {name}": sha256 for name, sha256 in case.scene.sha256.items()}
+            files += case.scene.files
         for name in _chosen(spec, path, (*case.identify, *case.recordings), tuple(case.recordings)):
             one = case.recordings[name]
             recordings.append((number, name))
@@ -164,7 +172,16 @@ def plan_of(spec: Spec) -> Plan:
             inputs[f"{written}: {name}"] = one.sha256
             files.append(one.path)
     designs = {source: _design(spec, factors) for source, factors in spec.factors.items()}
-    plan = Plan(spec, tuple(recordings), tuple(durations), inputs, tuple(files), tuple(simulated), designs)
+    plan = Plan(
+        spec,
+        tuple(recordings),
+        tuple(durations),
+        inputs,
+        tuple(files),
+        tuple(simulated),
+        tuple(scenes),
+        designs,
+    )
     if len(plan) > MOST_RUNS:
         raise InputError(
             f"{spec.path}: {len(plan):.3g} runs are more than {MOST_RUNS:.0e}; sweep fewer values or points."

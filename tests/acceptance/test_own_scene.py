@@ -78,13 +78,14 @@ def test_check_scene_takes_a_file_alone(harness: Harness, case: Path) -> None:
 
 
 def test_a_sweep_varies_what_a_scene_has_to_set(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """Run the user's scene with each friction; refuse quantities that its file fixes, and say where to change them."""
+    """Run the user's scene with each friction and name its file; refuse what the file fixes, and say where it is."""
     spec = tmp_path / "plank.toml"
     head = f'cases = ["{case}"]\nsources = ["mujoco"]\ntime_step = [2e-3]\n'
     spec.write_text(f"{head}[mujoco]\nfriction = [0.2, 0.4]\n", encoding="utf-8")
     done = harness("sweep", spec, "--out", tmp_path / "out", "--jobs", "1", "--json")
     assert done.code == 0, done.err
     assert pd.read_parquet(tmp_path / "out" / "runs.parquet")["failure"].isna().tolist() == [True, True]
+    assert "MuJoCo: <code>plank.xml</code>" in (tmp_path / "out" / "sweep.html").read_text(encoding="utf-8")
     spec.write_text(f"{head}[rig]\nlevel_angle_rad = [0.0, 0.002]\n", encoding="utf-8")
     assert harness("sweep", spec, "--out", tmp_path / "tilted", "--jobs", "1").code == 0
     flat, tilted = pd.read_parquet(tmp_path / "tilted" / "runs.parquet")["error_measured_rms_m"]
@@ -99,10 +100,13 @@ def test_a_sweep_varies_what_a_scene_has_to_set(harness: Harness, case: Path, tm
 
 @pytest.mark.slow
 def test_a_users_scene_is_tuned(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """Tune the friction of the user's own MJCF; its geometry is fixed in the file."""
+    """Tune the friction of the user's own MJCF, which the page names; its geometry is fixed in the file."""
     done = harness("tune", case, "--free", "friction", "--set", "mujoco.time_step=2e-3", "--out", tmp_path / "out")
     assert done.code in (0, 1), done.err
     assert (tmp_path / "out" / "tuning.json").exists()
+    page = (tmp_path / "out" / "tuning.html").read_text(encoding="utf-8")
+    assert "tuning of MuJoCo with plank.xml on case" in page
+    assert "Scene of MuJoCo: <code>plank.xml</code>" in page
     refused = harness("tune", case, "--free", "rolling_radius_m", "--out", tmp_path / "refused")
     assert refused.code == 2
     assert "plank.xml" in refused.err
@@ -139,6 +143,8 @@ def test_diagnose_validates_in_the_users_scenes(harness: Harness, case: Path, tm
         assert engine["failed"] is None
         # As on the built-in flat rail, and the scenes' own 25 µm at 1 ms, twice that at the 2 ms used here.
         assert engine["rms_m"] == pytest.approx(cam, rel=1e-2, abs=5e-5)
+    page = (tmp_path / "out" / "diagnosis.html").read_text(encoding="utf-8")
+    assert "MuJoCo: <code>plank.xml</code>; PyBullet: <code>plank.urdf</code>" in page
     assert harness("replay", tmp_path / "out", case).code == 0
 
 

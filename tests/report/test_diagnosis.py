@@ -30,6 +30,7 @@ from harness.report.diagnosis import render_diagnosis
 from harness.report.diagnosis.account import Account
 from harness.report.diagnosis.inputs import _status
 from harness.report.diagnosis.verdict import before_after
+from harness.scene import Scene
 from harness.simulator import Experiment, write_case
 
 NAME = "rolling_resistance"
@@ -178,6 +179,16 @@ def test_errors_stand_by_source_and_horizon(html):
     assert "swing.csv" in tables[2]
     assert part.count("the ball left the rails at 3.2 s") == 1
     assert re.search(r"<dt>rolling resistance</dt><dd>force on the ball</dd>", part)
+
+
+def test_a_users_own_scene_is_named(html, diagnosis, record, case):
+    """Say with the errors and with the inputs which scene file each engine ran; say nothing of built-in ones."""
+    own = replace(case, scene=Scene(folder=case.path, mjcf=case.path / "parts" / "crank.xml"))
+    page = render_diagnosis(diagnosis, record, own)
+    said = "MuJoCo: <code>parts/crank.xml</code>; PyBullet: built-in scene"
+    for anchor in ("errors", "inputs"):
+        assert said in page[page.index(f'<section id="{anchor}"') :].split("</section>")[0]
+    assert "built-in scene" not in html
 
 
 def test_innovations_no_longer_know_the_angle(html, diagnosis):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
+from tests.acceptance.short import write_short_case
+from tests.own_scenes import flat_track
 from tests.sweeps.made import planned
 
 GRID = """
@@ -93,3 +96,18 @@ def test_a_recording_that_is_not_there_is_refused(tmp_path: Path) -> None:
     """Say which there are."""
     with pytest.raises(InputError, match=r"no recording 'rec_9.csv'; it has .*\.csv"):
         planned(tmp_path, 'recordings = ["rec_9.csv"]')
+
+
+def test_a_scene_of_the_users_own_is_an_input(tmp_path: Path) -> None:
+    """Have the SHA-256 of the scene's file among the inputs, so that a sweep is not resumed with another scene."""
+    write_short_case(tmp_path / "rig")
+    scene, rig = tmp_path / "rig" / "plank.xml", tmp_path / "rig" / "rig.toml"
+    scene.write_text(flat_track(), encoding="utf-8")
+    with rig.open("a", encoding="utf-8") as file:
+        file.write('[scene]\nmjcf = "plank.xml"\nbeam_joint = "bearing"\nball = "marble"\ndirection = -1\n')
+    text = 'sources = ["mujoco"]\ntime_step = [2e-3]\n'
+    plan = planned(tmp_path, text)
+    assert plan.inputs["rig: plank.xml"] == hashlib.sha256(scene.read_bytes()).hexdigest()
+    assert scene in plan.files
+    scene.write_text(flat_track() + "<!-- -->", encoding="utf-8")
+    assert planned(tmp_path, text).inputs != plan.inputs

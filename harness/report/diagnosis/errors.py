@@ -12,6 +12,7 @@ from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.report.diagnosis.account import Account
 from harness.report.diagnosis.growth import picture_of
 from harness.report.page import Section
+from harness.report.scenes import scenes_in_words
 from harness.report.tables import Column, Table, texts
 from harness.report.wording import error_size, words
 
@@ -35,6 +36,7 @@ def section(account: Account) -> Section:
         "split": _split(len(diagnosis.problem.recordings)),
         "ran": _ran(account),
         "known": brief(KNOWN),
+        "scenes": scenes_in_words(account.case.scene, diagnosis.engines),
         "changed": account.changed,
         "picture": picture_of(account),
         "tables": tables,

@@ -6,6 +6,7 @@ from harness.formatting import length, number
 from harness.recording.known_rig import NEEDED, UNITS
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
+from harness.report.scenes import scenes_in_words
 from harness.report.tables import Table, texts
 
 
@@ -15,6 +16,7 @@ def section(account: Account) -> Section:
         "origin": account.case.origin,
         "recordings": _recordings(account),
         "rig": _rig(account),
+        "scenes": scenes_in_words(account.case.scene, account.diagnosis.engines),
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
         "colour": _colour(account),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from harness.engines.catalogue import ENGINES
+from harness.formatting import listed
 from harness.report.page import Section
 from harness.report.palette import label_of
+from harness.report.scenes import BUILT_IN, scenes_in_words
 from harness.report.sweep.subject import Subject
 from harness.report.tables import Table, texts
 from harness.sweeps.factors import Factor
@@ -26,10 +29,22 @@ def section(subject: Subject) -> Section | None:
             "design": spec.design.replace("_", " "),
             "size": spec.size,
             "seed": spec.seed,
+            "scenes": _scenes(subject),
             "recordings": ", ".join(names[:_MOST]) + more,
             "command": subject.command,
         },
     )
+
+
+def _scenes(subject: Subject) -> list[str]:
+    """Which scene each engine ran, a line a case; empty where all ran the built-in one."""
+    spec, scenes = subject.plan.spec, subject.plan.scenes
+    engines = [one for one in spec.sources if one in ENGINES]
+    if not any(scenes_in_words(scene, engines) for scene in scenes):
+        return []
+    named = [(name, scenes_in_words(scene, engines)) for name, scene in zip(spec.case_names, scenes, strict=True)]
+    every = f"{listed([label_of(one) for one in engines])}: {BUILT_IN}"
+    return [f"{name}: {text or every}" for name, text in named]
 
 
 def _factors(subject: Subject) -> Table:

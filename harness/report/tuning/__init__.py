@@ -29,8 +29,9 @@ def render_tuning(subject: Subject, failures: Failures) -> str:
     bodies = bodies_of({name: partial(section, subject) for name, section in SECTIONS.items()}, failures)
     badges = [Badge("simulated data", "warning")] if subject.case.simulated else []
     origin = f"origin: {subject.case.origin}" if subject.case.origin else ""
+    scene = f" with {subject.scene_file}" if subject.scene_file else ""
     return render_page(
-        f"Ball and beam: tuning of {subject.engine} on {subject.case.name}",
+        f"Ball and beam: tuning of {subject.engine}{scene} on {subject.case.name}",
         bodies,
         subtitle=origin,
         badges=[*badges, Badge("incomplete", "bad")] if failures.all else badges,

@@ -43,6 +43,11 @@ class Subject:
         return label_of(self.tuned.model.engine.name)
 
     @property
+    def scene_file(self) -> str:
+        """File of the user's scene that the engine runs; empty for the built-in one."""
+        return self.tuned.model.engine.scene_file or ""
+
+    @property
     def look(self) -> Look:
         """The engine's colour and line style."""
         return look_of(self.tuned.model.engine.name)
