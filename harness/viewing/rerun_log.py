@@ -7,6 +7,7 @@ beam's frame, so that they can be compared by eye also where an effect makes the
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -69,13 +70,14 @@ def name_of_recorded(playback: Playback) -> str:
 
 def name_of_run(playback: Playback, run: int) -> str:
     """Name of a run in a log: engine, that it is simulated, and whether the effects found act in it."""
-    kinds = ("as_rig_toml_says",) if len(playback.runs) == 1 else ("without_effects_found", "with_effects_found")
+    alone = re.sub(r"\W+", "_", playback.runs[0].name)  # such as as_rig_toml_says
+    kinds = (alone,) if len(playback.runs) == 1 else ("without_effects_found", "with_effects_found")
     return f"{playback.engine}_simulated/{kinds[run]}"
 
 
 def title_of_run(playback: Playback, run: int) -> str:
     """The same in words, short enough for a legend."""
-    kinds = ("as rig.toml says",) if len(playback.runs) == 1 else ("without the effects", "with the effects found")
+    kinds = (playback.runs[0].name,) if len(playback.runs) == 1 else ("without the effects", "with the effects found")
     return f"{playback.engine}, simulated, {kinds[run]}"
 
 

@@ -88,7 +88,9 @@ def run_without(setting: Setting, engine: Engine, given: Mapping[str, Any], *, b
     """
     acting = _Acting(setting.acting, setting.rig, setting.ball, setting.drive)
     first = _after_run_in(setting) if beside else int(setting.horizons[0].first[0])
-    return _run("as rig.toml says", setting, engine, given, acting, first)
+    scene = engine.scene_file  # decides all but the level angle and the declared effects
+    told = f"as {scene} and rig.toml say" if scene else "as rig.toml says"
+    return _run(told, setting, engine, given, acting, first)
 
 
 def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: ModelRecord, origin: str) -> ShownRun:
@@ -114,7 +116,8 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
     law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)
     effects = (*problem.declared, *found.terms.effects_in(own))
     names = [*model.effects, *([] if spline is None else ["a law that no catalogue lists"])]
-    told = f"with {', '.join(names)}" if names else "with the diagnosed rig; no effects were found"
+    rig = f"as {engine.scene_file} says" if engine.scene_file else "with the diagnosed rig"
+    told = f"with {', '.join(names)}" if names else f"{rig}; no effects were found"
 
     def state(stamp: int) -> tuple[float, float, float]:
         span = slice(min(first, stamp), stamp + 1)

@@ -5,15 +5,20 @@ import pytest
 
 import harness
 from analytic.effects import SensorLaw
+from analytic.rig import Rig
 from harness.api.saved import load_diagnosis
 from harness.comparison import Choices, prepare
 from harness.comparison.sources import run_engine
 from harness.engines.catalogue import engine_of
 from harness.recording import load_case
+from harness.viewing.playback import Playback
+from harness.viewing.rerun_log import name_of_run, title_of_run
 from harness.viewing.runs import _lagging, rms_and_largest, run_with, run_without
 from tests.acceptance.short import write_short_case
+from tests.own_scenes import crank_and_link
 
 SEED = Path(__file__).parents[2] / "benchmarks" / "fuzz" / "seeds" / "diagnosis.json"
+NO_EFFECTS = {"effects": (), "spline_term": None, "parameters": (), "covariance": ()}
 
 
 def test_without_a_diagnosis_the_run_is_that_of_a_comparison(tmp_path: Path) -> None:
@@ -29,6 +34,27 @@ def test_without_a_diagnosis_the_run_is_that_of_a_comparison(tmp_path: Path) -> 
     rms, largest = rms_and_largest(shown, setting.time, setting.recording.position)
     assert rms == pytest.approx(np.sqrt(np.nanmean(error**2)), rel=1e-9)
     assert largest == pytest.approx(np.nanmax(np.abs(error)), rel=1e-9)
+
+
+def test_a_run_in_a_users_own_scene_says_what_decides_it(tmp_path: Path) -> None:
+    """Name the user's file beside rig.toml, which has only the level angle and the effects to say there."""
+    folder = write_short_case(tmp_path / "case")
+    (folder / "rails.xml").write_text(crank_and_link(Rig()), encoding="utf-8")
+    with (folder / "rig.toml").open("a", encoding="utf-8") as file:
+        file.write('[scene]\nmjcf = "rails.xml"\nbeam_joint = "beam_hinge"\ndriven_joint = "motor"\n')
+    case = load_case(folder)
+    setting = prepare(case, Choices())
+    own = run_without(setting, engine_of("mujoco", case.scene), {})
+    known = setting.ball.trusted
+    stamps, reading = setting.time[known], setting.recording.position[known]
+    playback = Playback("mujoco", (own,), stamps, reading, 0.0, float(setting.time[-1]), simulated=True)
+    assert own.name == "as rails.xml and rig.toml say"
+    assert title_of_run(playback, 0) == "mujoco, simulated, as rails.xml and rig.toml say"
+    assert name_of_run(playback, 0) == "mujoco_simulated/as_rails_xml_and_rig_toml_say"
+    model = load_diagnosis(SEED).record.model.model_copy(update=NO_EFFECTS)
+    nothing = run_with(setting, engine_of("mujoco", case.scene), {}, model, "")
+    assert nothing.name == "as rails.xml says; no effects were found"
+    assert run_without(setting, engine_of("mujoco"), {}).name == "as rig.toml says"
 
 
 def test_a_lagging_sensor_begins_with_what_it_had() -> None:
