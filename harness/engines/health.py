@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 class Failure(StrEnum):
@@ -56,3 +60,11 @@ class Health:
     steps: int
     warnings: tuple[str, ...] = ()
     lifted_off: float | None = None
+
+
+def largest_of_each(warnings: Iterable[str]) -> tuple[str, ...]:
+    """Each warning once; of those of many runs that differ in numbers alone, the one with the largest."""
+    kinds: dict[str, list[str]] = {}
+    for text in sorted(set(warnings)):
+        kinds.setdefault(_NUMBER.sub("", text), []).append(text)
+    return tuple(max(texts, key=lambda text: [float(one) for one in _NUMBER.findall(text)]) for texts in kinds.values())

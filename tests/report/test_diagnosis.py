@@ -191,6 +191,20 @@ def test_a_users_own_scene_is_named(html, diagnosis, record, case):
     assert "built-in scene" not in html
 
 
+def test_warnings_of_engines_stand_with_their_errors(html, diagnosis, case):
+    """Say which engine warns of what, of each warning the one with the largest number, also in diagnosis.json."""
+    sags = [f"the linkage lets the beam depart from the recorded angle by up to {sag} rad" for sag in (4e-4, 7e-4)]
+    engines = {name: one | {"warnings": (sags[1],) if name == "mujoco" else ()} for name, one in ENGINES.items()}
+    also = replace(diagnosis.also["swing.csv"], engines={"mujoco": ENGINES["mujoco"] | {"warnings": (sags[0],)}})
+    warned = replace(diagnosis, engines=engines, also={"swing.csv": also})
+    record = diagnosis_record(warned, case, 1.0, input_hashes(case))
+    assert record.errors.engines["mujoco"].warnings == (sags[1],)
+    section = render_diagnosis(warned, record, case).partition('<section id="errors"')[2].partition("</section>")[0]
+    assert f"MuJoCo: {sags[1]}" in section
+    assert section.count("linkage") == 1
+    assert "warn of" not in html
+
+
 def test_innovations_no_longer_know_the_angle(html, diagnosis):
     """Print p of the angle, which resistance left in the innovations and the found one takes out of them."""
     assert diagnosis.heldout.before.beam["angle"].p < SIGNIFICANT < diagnosis.heldout.after.beam["angle"].p

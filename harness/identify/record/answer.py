@@ -114,10 +114,14 @@ class EngineBeforeAfterRecord(RecordPart):
 
 
 class EngineRecord(EngineBeforeAfterRecord):
-    """Errors of an engine on the recordings fitted to and on held-out ones; `recordings` names those that it ran."""
+    """Errors of an engine on the recordings fitted to and on held-out ones.
+
+    `recordings` names those that it ran; `warnings` are those of the engine itself in any of these runs.
+    """
 
     heldout: EngineBeforeAfterRecord | None = None
     recordings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 class AlsoRecord(BeforeAfterRecord):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from types import MappingProxyType
@@ -19,7 +19,7 @@ from analytic.motion import BeamMotion, FloatArray, State
 from analytic.rig import Rig
 from analytic.slots import DRY_MINUS, DRY_PLUS, LEVEL
 from harness.engines.catalogue import DEFAULT_ENGINES, engine_of, parameters_of
-from harness.engines.health import Failure
+from harness.engines.health import Failure, largest_of_each
 from harness.engines.injection import engine_settings, force_of, motion_for_engine
 from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
@@ -41,12 +41,22 @@ InjectedLaw = Callable[[FloatArray, float], None]
 Squares = list[tuple[str, FloatArray]]
 EngineSettings = Mapping[str, Mapping[str, Any]]
 """Settings of engines by name."""
+RunKey = tuple[str, int | None, int]
+"""Name of the engine, and identities of fit and recording."""
 NO_SETTINGS: EngineSettings = MappingProxyType({})
 
 # Time step of a rolling ball [s]: error 3 µm in 14 s, at most 25 µm where friction stops the ball. For a sliding ball,
 # where MuJoCo converges with first order only, the engines' default step is used.
 _ROLLING_STEP = 2e-3
 _MOST = 6  # recordings that the engines run: two fits to each, held out and not, take PyBullet seconds
+
+
+@dataclass(frozen=True)
+class Ran:
+    """Runs of an engine over one recording: squared errors [m²] by horizon, and what the engine warns of."""
+
+    squares: Squares
+    warnings: tuple[str, ...] = ()
 
 
 def engine_errors(
@@ -74,6 +84,7 @@ def engine_errors(
     Returns:
         By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
         failed also "failed", its message. "recordings" names those that it ran: of many, six from first to last.
+        "warnings" says what the engine warns of in any of these runs, each warning with its largest number.
     """
     running = engines_running(main, held, progress, jobs=jobs, failures=failures, settings=settings, scene=scene)
     with running as errors:
@@ -96,7 +107,7 @@ def engines_running(
     engines = {name: engine for name, engine in loaded.items() if not isinstance(engine, Failed)}
     main, *held = [_of_few(split, main.compared) for split in (main, *held)]
     ran = [recording.name for recording in main.compared]
-    runs: dict[Hashable, Callable[[], Squares | Failed]] = {}
+    runs: dict[RunKey, Callable[[], Ran | Failed]] = {}
     for engine in reversed(engines.values()):  # PyBullet is slowest: with the long jobs first, all cores end together
         for split in (main, *held):
             for fit, recording in itertools.product((split.base, split.found), split.compared):
@@ -106,15 +117,21 @@ def engines_running(
     title = f"{' and '.join(engines)} on {', '.join(ran)}"
 
     def before_after(
-        engine: Engine | Failed, splits: Sequence[HeldOut], results: Mapping[Hashable, Squares | Failed]
+        engine: Engine | Failed, splits: Sequence[HeldOut], results: Mapping[RunKey, Ran | Failed]
     ) -> dict[str, Any]:
-        def of(split: HeldOut, fit: Fit, recording: PreparedRecording) -> Squares | Failed:
+        def of(split: HeldOut, fit: Fit, recording: PreparedRecording) -> Ran | Failed:
             return engine if isinstance(engine, Failed) else results[_key(engine, fit, recording)]
 
         return {
             when: _errors([of(split, fit(split), recording) for split in splits for recording in split.compared])
             for when, fit in (("before", attrgetter("base")), ("after", attrgetter("found")))
         }
+
+    def warnings(engine: Engine | Failed, results: Mapping[RunKey, Ran | Failed]) -> tuple[str, ...]:
+        if isinstance(engine, Failed):
+            return ()
+        own = [one for (name, *_), one in results.items() if name == engine.name and isinstance(one, Ran)]
+        return largest_of_each(text for one in own for text in one.warnings)
 
     def report(count: int) -> None:
         progress(f"{title}: run {count} of {len(runs)}", share=count / len(runs))
@@ -132,7 +149,7 @@ def engines_running(
             return {
                 name: before_after(engine, [main], results)
                 | ({"heldout": before_after(engine, held, results)} if held else {})
-                | {"recordings": ran}
+                | {"recordings": ran, "warnings": warnings(engine, results)}
                 for name, engine in loaded.items()
             }
 
@@ -152,7 +169,7 @@ def _of_few(split: HeldOut, recordings: Sequence[PreparedRecording]) -> HeldOut:
     return replace(split, compared=tuple(one for one in split.compared if any(one is other for other in few)))
 
 
-def _key(engine: Engine, fit: Fit, recording: PreparedRecording) -> Hashable:
+def _key(engine: Engine, fit: Fit, recording: PreparedRecording) -> RunKey:
     """Identity of a run; without terms it does not depend on the fit."""
     nothing = not fit.hypothesis.names and fit.hypothesis.spline is None
     return engine.name, None if nothing else id(fit), id(recording)
@@ -168,22 +185,28 @@ def entries(fit: Fit) -> dict[str, str]:
     return places
 
 
-def _errors(runs: Sequence[Squares | Failed]) -> dict[str, Any]:
+def _errors(runs: Sequence[Ran | Failed]) -> dict[str, Any]:
     squares: dict[str, list[FloatArray]] = {}
     for run in runs:
         if isinstance(run, Failed):
             return {"rms_m": {}, "failed": str(run)}
-        for horizon, values in run:
+        for horizon, values in run.squares:
             squares.setdefault(horizon, []).append(values)
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
 def _squares(
     problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine, settings: Mapping[str, Any]
-) -> Squares | Failed:
+) -> Ran | Failed:
     """Squared errors [m²] of every window by horizon, or how the engine failed."""
     name = f"{engine.name} on {recording.name}"
-    return caught(Part.ENGINE, name, lambda: _Scene(problem, found, recording, engine, settings).squares())
+
+    def ran() -> Ran:
+        scene = _Scene(problem, found, recording, engine, settings)
+        squares = scene.squares()
+        return Ran(squares, largest_of_each(scene.warnings))
+
+    return caught(Part.ENGINE, name, ran)
 
 
 class _Scene:
@@ -212,6 +235,7 @@ class _Scene:
         if engine.scene_file:  # has less to set; what is left is the user's own
             settings = {name: value for name, value in settings.items() if name in engine.parameters.model_fields}
         self.parameters: EngineParameters = parameters_of(engine, settings)
+        self.warnings: list[str] = []
 
     def squares(self) -> Squares:
         """Squared errors [m²] of every window with readings to compare, by horizon.
@@ -273,6 +297,7 @@ class _Scene:
             force=force,
             base=self.problem.rig,
         )
+        self.warnings += run.health.warnings
         if not np.isfinite(run.trajectory.position).all():
             bad = float(at[np.argmin(np.isfinite(run.trajectory.position))])
             raise EngineFailure(self.engine.name, Failure.NOT_FINITE, bad, Failure.NOT_FINITE.value)

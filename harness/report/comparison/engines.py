@@ -1,7 +1,6 @@
 """Sections on the engines: their errors split into step size, contact model and missing physics; health, settings."""
 
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
@@ -9,7 +8,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from analytic.motion import FloatArray
 from harness.comparison.attribution import Attribution
 from harness.comparison.sources import SourceRuns
-from harness.engines.health import Health
+from harness.engines.health import Health, largest_of_each
 from harness.engines.protocol import Engine
 from harness.formatting import fixed, length, number, percent
 from harness.report.chart import Chart, Panel, Trace
@@ -25,7 +24,6 @@ _PARTS = {
     "contact": ("contact model", "#E69F00", "engine at dt → 0 − CAM"),
     "physics": ("missing physics", "#882255", "CAM − recording"),
 }
-_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _MIN_DRAWN = 1e-9  # lower limit of the logarithmic axis [m]
 
 
@@ -113,10 +111,9 @@ def health(subject: Subject) -> Section | None:
     if not study.engines:
         return None
     runs = [study.run_of(engine.name, horizon) for engine, _ in study.engines for horizon in study.setting.horizons]
-    warnings = {(label_of(run.source), warning) for run in runs for health in run.health for warning in health.warnings}
     context = {
         "failures": [(run.horizon.name, str(failure)) for run in runs for failure in run.failures],
-        "warnings": _largest(warnings),
+        "warnings": [(label_of(engine.name), text) for engine, _ in study.engines for text in _warnings(runs, engine)],
         "lift_offs": [(", ".join(map(label_of, who)), text) for text, who in study.sources_by_lift_off.items()],
         "table": _health(runs),
         "settings": [
@@ -132,15 +129,9 @@ def health(subject: Subject) -> Section | None:
     return Section("engines", "Engines", "Engines", "comparison/engines.html", context)
 
 
-def _largest(warnings: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Engine and text of each warning, of those that differ in a number alone the one with the largest."""
-    kinds: dict[tuple[str, str], list[str]] = {}
-    for engine, text in sorted(warnings):
-        kinds.setdefault((engine, _NUMBER.sub("", text)), []).append(text)
-    return [
-        (engine, max(texts, key=lambda text: [float(one) for one in _NUMBER.findall(text)]))
-        for (engine, _), texts in kinds.items()
-    ]
+def _warnings(runs: Sequence[SourceRuns], engine: Engine) -> tuple[str, ...]:
+    own = [run for run in runs if run.source == engine.name]
+    return largest_of_each(text for run in own for health in run.health for text in health.warnings)
 
 
 def _title(engine: Engine) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from harness.engines.health import largest_of_each
 from harness.formatting import NONE, brief, fixed, number
 from harness.identify.problem.windows import GROUPS, KNOWN
 from harness.identify.validation.beam_dependence import SIGNIFICANT
@@ -42,6 +43,7 @@ def section(account: Account) -> Section:
         "tables": tables,
         "enter": [(words(name), place) for name, place in entries(diagnosis.found).items()],
         "failures": _failures(account),
+        "warnings": _warnings(account),
         "innovations": _innovations(account),
         "significant": brief(SIGNIFICANT),
     }
@@ -100,6 +102,17 @@ def _failures(account: Account) -> list[str]:
     )
     only = "without the effects found, " if account.changed else ""
     return [*after, *(f"{only}{text}" for text in before if text not in after)]
+
+
+def _warnings(account: Account) -> list[tuple[str, str]]:
+    """Engine and text of what each engine warns of in its runs."""
+    diagnosis = account.diagnosis
+    sets = [diagnosis.engines, *(one.engines for one in diagnosis.also.values())]
+    return [
+        (_ENGINES.get(name, name), text)
+        for name in dict.fromkeys(name for each in sets for name in each)
+        for text in largest_of_each(text for each in sets for text in each.get(name, {}).get("warnings", ()))
+    ]
 
 
 def _innovations(account: Account) -> Table:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic.effects import Acting, acting
+from analytic.rig import Rig
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -16,6 +19,7 @@ from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
 from harness.identify.validation.engine_errors import engine_errors, entries
 from harness.identify.validation.held_out import HeldOut, errors
+from tests.own_scenes import crank_and_link, written
 from tests.posed import Posed
 
 SECONDS = 6.0
@@ -117,6 +121,18 @@ def test_an_engine_that_fails_says_so(short: Problem, base: Fit) -> None:
         assert run["after"]["rms_m"] == {}
         assert "failed at t" in run["after"]["failed"]
         assert run["before"]["rms_m"]
+
+
+def test_a_linkage_that_gives_way_is_told(short: Problem, base: Fit, tmp_path: Path) -> None:
+    """Warn once by how much the beam of the user's scene departs from the recorded angle, and only in that engine."""
+    soft = crank_and_link(Rig()).replace('solref="0.002 1" solimp="0.9999 0.9999 0.001"', "")
+    scene = written(tmp_path, soft, beam_joint="beam_hinge", driven_joint="motor")
+    split = HeldOut(short, base, base, short.recordings)
+    runs = engine_errors(split, scene=scene)
+    (told,) = [text for text in runs["mujoco"]["warnings"] if "linkage" in text]
+    assert re.search(r"depart from the recorded angle by up to 0\.000\d+ rad", told)
+    assert runs["pybullet"]["warnings"] == ()
+    assert engine_errors(split)["mujoco"]["warnings"] == ()
 
 
 def test_of_many_recordings_the_engines_run_six(short: Problem, base: Fit) -> None:
