@@ -6,7 +6,8 @@ paper: combinations are compared at their best fit.
 """
 
 import itertools
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -14,6 +15,7 @@ from scipy.optimize import least_squares
 from analytic.kernel import Grid, integrate_windows
 from analytic.models import CUM, Model, Reading
 from analytic.motion import FloatArray
+from analytic.rig import Rig
 from analytic.slots import FRICTION_GAIN, LEVEL
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
@@ -26,6 +28,7 @@ _FRICTION_START = {  # initial f_b in the unit of its reading; each decelerates 
     Reading.VISCOUS: 0.03,
 }
 
+_SAME_RADIUS = 1e-9  # relative difference of r and R
 _DIVERGED_ERROR = 1e3  # error assigned to a diverged run, finite so that the fit can continue [m]
 
 
@@ -63,15 +66,27 @@ class Combination:
 
 
 def ablate(setting: Setting, horizon: Horizon) -> dict[tuple[str, bool, bool, Reading], Combination]:
-    """Fits and scores all combinations on the runs of `horizon`; by `Combination.key`."""
+    """Fits and scores all combinations on the runs of `horizon`; by `Combination.key`.
+
+    On a flat rail, where r = R, those of both radii are the same, and fitted once.
+    """
     grid = Grid.over(setting.time)
     table = grid.tabulate(setting.motion)
-    found = {}
+    found: dict[tuple[str, bool, bool, Reading], Combination] = {}
+    once = one_radius(setting.rig)
     for radius, eccentric, level, reading in itertools.product("Rr", (False, True), (False, True), Reading):
-        model = CUM.variant("", inertia_radius=radius, eccentric=eccentric, reading=reading)
-        one = _fit(setting, horizon, grid, table, model, level)
+        if once and radius == "r":
+            one = replace(found["R", eccentric, level, reading], radius="r")
+        else:
+            model = CUM.variant("", inertia_radius=radius, eccentric=eccentric, reading=reading)
+            one = _fit(setting, horizon, grid, table, model, level)
         found[one.key] = one
     return found
+
+
+def one_radius(rig: Rig) -> bool:
+    """Whether the ball rolls on its own radius, as on a flat rail: r = R, so that the choice between them is none."""
+    return math.isclose(rig.rolling_radius, rig.radius, rel_tol=_SAME_RADIUS)
 
 
 def _fit(setting: Setting, horizon: Horizon, grid: Grid, table: FloatArray, model: Model, level: bool) -> Combination:

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.models import CAM, CUM, Reading
 from analytic.motion import FloatArray
-from harness.comparison.ablation import Combination
+from harness.comparison.ablation import Combination, one_radius
 from harness.comparison.horizons import Horizon
 from harness.comparison.setting import Setting
 from harness.comparison.sources import run_models
@@ -83,8 +83,8 @@ def claims(setting: Setting, horizon: Horizon, combinations: Combinations, input
     judge = Judge(setting, horizon, inputs)
     return [
         _level(setting, horizon, combinations, _rms(inputs.u_val)),
-        _eccentric(combinations, judge),
-        _friction(combinations, judge),
+        _eccentric(combinations, judge, once=one_radius(setting.rig)),
+        _friction(combinations, judge, once=one_radius(setting.rig)),
     ]
 
 
@@ -114,15 +114,25 @@ class Judge:
         return base.rms_error**2 - other.rms_error**2, float(np.hypot(by_inputs, by_noise))
 
 
-def differences(combinations: Combinations) -> list[Difference]:
-    """Displacements between CUM and CAM due to the radius, the α̈ term, both, and α₀; only α₀ is fitted."""
+def differences(combinations: Combinations, *, once: bool = False) -> list[Difference]:
+    """Displacements between CUM and CAM due to the radius, the α̈ term, both, and α₀; only α₀ is fitted.
+
+    Args:
+        combinations: of the ablation.
+        once: whether there is one radius (`one_radius`), so that the α̈ term is all that CAM adds to CUM.
+    """
     none = Reading.NONE
     cum = combinations["R", False, False, none].position
     cam = combinations["r", True, False, none].position
-    return [
+    terms = [
         _difference("radius R → r in the inertia (CUM otherwise)", cum, combinations["r", False, False, none].position),
         _difference("α̈ term (CUM otherwise)", cum, combinations["R", True, False, none].position),
         _difference("both: CUM → CAM", cum, cam),
+    ]
+    if once:
+        terms = [_difference("α̈ term: CUM → CAM", cum, cam)]
+    return [
+        *terms,
         _difference("α₀ 0 → fitted (CUM)", cum, combinations["R", False, True, none].position),
         _difference("α₀ 0 → fitted (CAM)", cam, combinations["r", True, True, none].position),
     ]
@@ -157,7 +167,7 @@ def _level(setting: Setting, horizon: Horizon, combinations: Combinations, u_val
     return Claim("a", text, Verdict.of(confirmed, refuted), because)
 
 
-def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
+def _eccentric(combinations: Combinations, judge: Judge, *, once: bool) -> Claim:
     """Claim (b): with all other terms at their best, does the α̈ term reduce the error by `_MIN_IMPROVEMENT`?"""
     text = "modelling the eccentric pivot does not pay"
     without, with_ = _best(combinations, eccentric=False), _best(combinations, eccentric=True)
@@ -168,25 +178,24 @@ def _eccentric(combinations: Combinations, judge: Judge) -> Claim:
     required = (1.0 - (1.0 - _MIN_IMPROVEMENT) ** 2) * max(without.rms_error**2 - judge.noise**2, 0.0)
     because = (
         f"the α̈ term alone displaces the ball by {1e3 * moved:.2f} mm RMS; the best model without it has an error of "
-        f"{1e3 * without.rms_error:.2f} mm ({_describe(without)}), with it by {1e3 * with_.rms_error:.2f} mm "
-        f"({_describe(with_)}); to pay it has to reduce the error beyond the sensor noise of "
+        f"{1e3 * without.rms_error:.2f} mm ({_describe(without, once)}), with it of {1e3 * with_.rms_error:.2f} mm "
+        f"({_describe(with_, once)}); to pay it has to reduce the error beyond the sensor noise of "
         f"{1e3 * judge.noise:.2g} mm by {100 * _MIN_IMPROVEMENT:.0f} %. {_significance(gain, std)}"
     )
     reach = _COVERAGE_FACTOR * std
     return Claim("b", text, Verdict.of(gain + reach < required, gain - reach > required), because)
 
 
-def _friction(combinations: Combinations, judge: Judge) -> Claim:
+def _friction(combinations: Combinations, judge: Judge, *, once: bool) -> Claim:
     """Claim (c): of all single additions to CUM, does friction reduce the error most, with and without fitted α₀?"""
     text = "a friction term matters most, even without the levelling error"
     verdicts, parts = [], []
     for level in (False, True):
         base = combinations["R", False, level, Reading.NONE]
         friction = min((combinations["R", False, level, one] for one in Reading if one), key=lambda one: one.rms_error)
-        rivals = {
-            "the α̈ term": combinations["R", True, level, Reading.NONE],
-            "the radius r": combinations["r", False, level, Reading.NONE],
-        }
+        rivals = {"the α̈ term": combinations["R", True, level, Reading.NONE]}
+        if not once:
+            rivals["the radius r"] = combinations["r", False, level, Reading.NONE]
         if not level:
             rivals["α₀"] = combinations["R", False, True, Reading.NONE]
         name = min(rivals, key=lambda name: rivals[name].rms_error)
@@ -218,9 +227,10 @@ def _best(combinations: Combinations, *, eccentric: bool) -> Combination:
     return min(among, key=lambda one: one.rms_error)
 
 
-def _describe(one: Combination) -> str:
+def _describe(one: Combination, once: bool) -> str:
     friction = "no friction" if not one.reading else f"{one.reading.name.lower().replace('_', ' ')} friction"
-    return f"radius {one.radius}, α₀ {_degrees(one.level_angle)}, {friction}"
+    radius = "" if once else f"radius {one.radius}, "
+    return f"{radius}α₀ {_degrees(one.level_angle)}, {friction}"
 
 
 def _degrees(angle: float) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic.models import CAM, MODELS, Reading
 from analytic.motion import FloatArray
-from harness.comparison.ablation import Combination, ablate
+from harness.comparison.ablation import Combination, ablate, one_radius
 from harness.comparison.attribution import Attribution, attribute
 from harness.comparison.horizons import Horizon
 from harness.comparison.paper import Claim, Difference, Inputs, claims, differences
@@ -162,7 +162,7 @@ def study(
         headline=headline,
         attributions=tuple(attributions),
         combinations=combinations,
-        differences=tuple(differences(combinations)),
+        differences=tuple(differences(combinations, once=one_radius(setting.rig))),
         claims=tuple(claims(setting, headline, combinations, inputs)),
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -27,7 +28,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_run_compares_the_engines_on_a_flat_rail(harness: Harness, case: Path, tmp_path: Path) -> None:
-    """Exit with 0, and have both engines within micrometres of CAM."""
+    """Exit with 0, have both engines within micrometres of CAM, and claim nothing twice for r = R."""
     done = harness("run", case, "--window", 1, "--out", tmp_path / "out")
     assert done.code == 0, done.err
     with (tmp_path / "out" / "trajectories.csv").open(encoding="utf-8") as file:
@@ -35,6 +36,17 @@ def test_run_compares_the_engines_on_a_flat_rail(harness: Harness, case: Path, t
     for engine in ("mujoco", "pybullet"):
         # Each is within 1 µm of eq. 14, the kernel within 1 nm; the file has micrometres.
         assert max(abs(float(row[f"{engine}_m"]) - float(row["cam_m"])) for row in rows) < 3e-6
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    ablation = page.partition('<section id="ablation"')[2].partition("</section>")[0]
+    assert "On this flat rail the ball rolls on its own radius, r = R" in ablation
+    heads = re.findall(r'<th scope="col"[^>]*>(.*?)</th>', ablation.partition("</thead>")[0])
+    assert [re.sub("<[^>]+>", " ", one).split("α̈") for one in heads[1:]] == [
+        [f"{term} ", f" {level} "] for level in ("α₀ = 0", "α₀ fitted") for term in ("no", "with")
+    ]
+    assert "R → r" not in ablation
+    assert ablation.count("CUM → CAM") == 1
+    claims = page.partition('<section id="paper"')[2].partition("</section>")[0]
+    assert "radius" not in claims
 
 
 @pytest.mark.slow

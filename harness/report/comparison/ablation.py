@@ -1,12 +1,13 @@
 """Ablation section: all combinations of radius, α̈ term, level angle and friction law, each fitted."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
 from markupsafe import Markup
 
 from analytic.models import Reading
-from harness.comparison.ablation import Combination
+from harness.comparison.ablation import Combination, one_radius
 from harness.formatting import aligned, length, number
 from harness.report.comparison.friction import READING_LABELS
 from harness.report.comparison.subject import Subject
@@ -15,7 +16,6 @@ from harness.report.tables import Column, Table, texts
 
 _EQUAL_CONTRAST = 0.179  # luminance on which white and black have the same contrast: √(1.05 · 0.05) − 0.05
 _LIGHT, _DARK = (240, 247, 252), (33, 113, 181)  # RGB of smallest and largest error in the heat map
-_COLUMNS = [(radius, eccentric, level) for level in (False, True) for radius in "Rr" for eccentric in (False, True)]
 
 
 def section(subject: Subject) -> Section:
@@ -23,6 +23,7 @@ def section(subject: Subject) -> Section:
     study, over = subject.study, subject.over(subject.study.headline)
     differences = [(one.choice, length(one.rms), length(one.largest)) for one in study.differences]
     context = {
+        "once": one_radius(study.setting.rig),
         "heat": _heat(subject),
         "fitted": _fitted(subject),
         "differences": Table(
@@ -42,13 +43,17 @@ def _heat(subject: Subject) -> Table:
     low, high = min(logs), max(max(logs), min(logs) + 1e-9)
     least = min(errors.values())
     columns = texts("friction, f_b fitted")
-    for radius, eccentric, level in _COLUMNS:
-        columns.append(Column(f"{radius}, {'with' if eccentric else 'no'} α̈", "α₀ fitted" if level else "α₀ = 0"))
+    once = one_radius(subject.study.setting.rig)
+    radii = "R" if once else "Rr"  # the columns of r would repeat those of R
+    shown = list(itertools.product((False, True), radii, (False, True)))
+    for level, radius, eccentric in shown:
+        term = f"{'with' if eccentric else 'no'} α̈"
+        columns.append(Column(term if once else f"{radius}, {term}", "α₀ fitted" if level else "α₀ = 0"))
     rows = []
     for reading in Reading:
         cells: list[str | Markup] = [READING_LABELS[reading]]
-        for column in _COLUMNS:
-            error = errors[(*column, reading)]
+        for level, radius, eccentric in shown:
+            error = errors[radius, eccentric, level, reading]
             share = 1.0 if not error < math.inf else (math.log(max(error, math.exp(low))) - low) / (high - low)
             cells.append(_heat_cell(number(error), share, error <= least))
         rows.append(cells)
