@@ -111,13 +111,16 @@ class Tuning(Summarised):
         return Summary(f"Tuning of {name} on {self.case.path}", [*lines, *map(str, self.failures)], tables)
 
     def _left(self) -> Table:
+        from harness.report.tuning.words import left_as
+
         selection = self.tuned.selection
         rows = [
             (name, f"{one.sensitivity:.3g}", "does not pay" if one.seen else "not seen by these recordings")
             for name, one in selection.screened.items()
             if name not in selection.found.names
         ]
-        return Table("Left at their defaults", [*texts("parameter"), "change of the runs [σ]", *texts("why")], rows)
+        title = f"Left {left_as(self.tuned, 'at their defaults')}"
+        return Table(title, [*texts("parameter"), "change of the runs [σ]", *texts("why")], rows)
 
     def plot(self) -> Figure:
         """Free runs over windows before and after, against the readings."""

@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from harness.formatting import NONE, length, number
+from harness.formatting import length, number
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.numerics import rms
 from harness.report.page import Section
@@ -18,7 +18,7 @@ from harness.report.tables import Row, Table, texts
 from harness.report.tuning import trajectories
 from harness.report.tuning.subject import Subject
 from harness.report.tuning.trajectories import free_runs, held_out
-from harness.report.tuning.words import sentences
+from harness.report.tuning.words import left_as, sentences
 from harness.tuning.estimate.free import LEVEL
 from harness.tuning.estimate.selection import KEEP, SEEN
 from harness.tuning.tune import Tuned
@@ -53,7 +53,7 @@ def values_table(tuned: Tuned) -> Table:
     for name in found.names:
         one = tuned.model.free[name]
         low, high = found.interval(name)
-        default = NONE if one.default is None else number(one.default, 4)
+        default = left_as(tuned, "engine's own") if one.default is None else number(one.default, 4)
         remark = "pays" if name in tuned.selection.pays else f"fitted along, {_why_not(tuned, name)}"
         if found.at_bound(name):
             remark = "at its bound: its interval says little"
@@ -147,7 +147,7 @@ def screening(subject: Subject) -> Section:
             if name in selection.pays
             else _why_not(subject.tuned, name)
             if one.seen
-            else "not seen: left at its default"
+            else f"not seen: left {left_as(subject.tuned, 'at its default')}"
         )
         if one.failed:
             verdict += f"; {subject.engine} fails with {', '.join(f'{value:g}' for value in one.failed)}"
@@ -156,7 +156,7 @@ def screening(subject: Subject) -> Section:
     columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("")]
     tried_rows = [
         Row(
-            (f"`{one.name}`", ", ".join(name for name in one.beside if name != LEVEL) or NONE, number(one.deviance),
+            (f"`{one.name}`", ", ".join(name for name in one.beside if name != LEVEL) or "none", number(one.deviance),
              number(one.bic), "kept" if one.kept else "not kept", one.why),
             "best" if one.kept else "",
         )

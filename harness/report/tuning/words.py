@@ -27,8 +27,10 @@ def sentences(tuned: Tuned, cam: CamErrors | None, case: str) -> tuple[str, ...]
         case Verdict.TUNED:
             told.append(f"{name} was tuned: {listed([value_text(tuned, one) for one in tuned.selection.pays])}.")
         case Verdict.NOTHING:
+            scene = tuned.model.engine.scene_file
+            untuned = f"with {scene} as it is," if scene else "with its defaults"
             told.append(
-                f"Nothing to tune: with its defaults {name} predicts these recordings as well as reading noise and "
+                f"Nothing to tune: {untuned} {name} predicts these recordings as well as reading noise and "
                 "angle error allow, and no free parameter lowers the criterion."
             )
         case Verdict.PHYSICS:
@@ -68,6 +70,12 @@ def _not_tried(tuned: Tuned) -> list[str]:
         for one in tuned.selection.screened.values()
         if one.name not in tuned.selection.pays and one.failure is not None
     ]
+
+
+def left_as(tuned: Tuned, default: str) -> str:
+    """Where the value of a parameter is from that is not set: the user's scene, or else `default`."""
+    scene = tuned.model.engine.scene_file
+    return f"as in {scene}" if scene else default
 
 
 def value_text(tuned: Tuned, name: str) -> str:
