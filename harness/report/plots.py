@@ -24,7 +24,6 @@ from harness.report.chart import Chart, thinning_note
 from harness.report.palette import INK, LEFT_OUT_COLOUR, UNCERTAINTY_COLOUR, Look
 
 WIDTH = 9.0  # [in]
-_MIN_LABEL_DISTANCE = 0.08  # share of the axis; closer labels are merged
 _MAX_POINTS = 800  # per line; more are not visible at this width
 _MAX_DOTS = 1500  # per cloud
 _WIDE = 3.0  # ratio of the largest to the smallest value from which an axis is logarithmic
@@ -246,37 +245,6 @@ def mark_exits(axes: Axes, time: FloatArray, values: FloatArray, look: Look) -> 
             left = float(time[at[0]]), marker == "^"
             first = left if first is None else min(first, left)
     return first
-
-
-def label_exits(axes: Axes, exits: Sequence[tuple[float, bool]]) -> None:
-    """Labels the triangles of `mark_exits` with exit times; close ones share a label."""
-    begin, end = axes.get_xlim()
-    for upwards in (True, False):
-        times = sorted(time for time, up in exits if up is upwards)
-        groups: list[list[float]] = []
-        for time in times:
-            if groups and time - groups[-1][-1] < _MIN_LABEL_DISTANCE * (end - begin):
-                groups[-1].append(time)
-            else:
-                groups.append([time])
-        for before, group in zip([None, *groups], groups, strict=False):
-            first, last = brief(group[0], 2), brief(group[-1], 2)
-            who = "1 source leaves" if len(group) == 1 else f"{len(group)} sources leave"
-            when = f"at {first} s" if first == last else f"at {first}–{last} s"
-            right = group[-1] > begin + 0.7 * (end - begin)
-            # Its text goes to the left, where that of an earlier one, which goes to the right, may be.
-            meets = right and before is not None and group[0] - before[-1] < 3.0 * _MIN_LABEL_DISTANCE * (end - begin)
-            axes.annotate(
-                f"{who} {when}",
-                (group[0] if right else group[-1], axes.get_ylim()[upwards]),
-                (-7 if right else 7, 15 if meets else 3),
-                textcoords="offset points",
-                ha="right" if right else "left",
-                va="bottom",
-                fontsize=8,
-                bbox={"facecolor": "white", "alpha": 0.6, "linewidth": 0, "pad": 1.0},
-                zorder=10,
-            )
 
 
 def plain_log(axes: Axes, which: str, ticks: Sequence[float] | None = None) -> None:

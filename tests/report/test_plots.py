@@ -1,13 +1,16 @@
 """Pictures: what is drawn where lines leave the frame, and how bands are thinned."""
 
+import itertools
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.comparison.horizons import Horizon
+from harness.report.labels import label_exits, label_points
 from harness.report.palette import LOOKS, look_of
-from harness.report.plots import binned, joined, label_exits, left_out, mark_exits, middle, thinning
+from harness.report.plots import binned, joined, left_out, mark_exits, middle, thinning
 
 
 def exits(values):
@@ -94,6 +97,39 @@ def test_a_law_beyond_its_range_spoils_no_frame():
     values = np.array([np.inf, np.nan, *range(100), -np.inf])
     assert middle(values, 1.0) == pytest.approx([0.99, 98.01])
     assert np.array_equal(middle(np.full(3, np.nan), 1.0), [0.0, 0.0])
+
+
+@pytest.mark.parametrize("exits", [[(5.9, False), (9.0, False)], [(1.0, True), (2.0, True), (3.5, True), (8.0, True)]])
+def test_labels_of_exits_do_not_meet(exits: list[tuple[float, bool]]) -> None:
+    """Stack labels that would cover each other, whichever way they go."""
+    figure = Figure(figsize=(7.0, 2.5))
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set(xlim=(0.0, 10.0), ylim=(-1.0, 1.0))
+    label_exits(axes, exits)
+    figure.canvas.draw()
+    boxes = [one.get_window_extent() for one in axes.texts]
+    assert len(boxes) == len(exits)
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+
+
+def test_labels_of_points_in_a_row_can_be_read() -> None:
+    """Write each beside its point, covering no other label, no point and not the legend."""
+    figure = Figure(figsize=(4.5, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    points = [(0.008 * 1.4**number, 0.066 + 1e-5 * number) for number in range(8)]
+    axes.plot(*zip(*points, strict=True), "o", markersize=4, label="MuJoCo")
+    axes.set(xscale="log", ylim=(0.0, 0.08))
+    axes.legend(loc="upper right")
+    label_points(axes, points, [f"{number}e-3" for number in range(8)], ["#000000"] * 8)
+    figure.canvas.draw()
+    boxes = [one.get_window_extent() for one in axes.texts]
+    assert len(boxes) == 8
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+    for place in axes.transData.transform(points):
+        assert not any(box.contains(*place) for box in boxes)
+    assert not any(box.overlaps(axes.get_legend().get_window_extent()) for box in boxes)
 
 
 def test_labels_of_exits_that_come_towards_each_other_do_not_meet() -> None:

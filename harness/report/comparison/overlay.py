@@ -13,6 +13,7 @@ from harness.formatting import number
 from harness.report import plots
 from harness.report.chart import Chart, Mark, Panel, Trace
 from harness.report.comparison.subject import Subject
+from harness.report.labels import label_exits
 from harness.report.palette import LEFT_OUT_COLOUR, MEASURED_COLOUR, UNCERTAINTY_COLOUR, Look, look_of
 from harness.report.standing import Standing, standings
 
@@ -115,7 +116,7 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
         exits += [] if left is None else [left]
         entries.append(plots.sample(look, f"{look.label}  {'failed' if run.failures else number(1e3 * one.rms)}"))
     if horizon.seconds is None:
-        plots.label_exits(axes, exits)
+        label_exits(axes, exits)
     axes.set_ylabel("ball position $s$ [m]")
     legend = figure.legend(
         handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from harness.formatting import brief, length, number
 from harness.report.chart import Chart, Panel, Trace
+from harness.report.labels import label_points
 from harness.report.page import Section
 from harness.report.palette import label_of, look_of, swatch
 from harness.report.plots import Picture, drawing, picture, scaled, style
@@ -96,9 +97,6 @@ def drawn(results: Results) -> Figure:
             look = look_of(source)
             x, y = [one.seconds for one in points], [getattr(one, attribute) for one in points]
             axes.plot(x, y, "o-", color=look.colour, markersize=4, linewidth=1.2, label=look.label)
-            for one, at, value in zip(points, x, y, strict=True):
-                if one.time_step is not None:
-                    axes.annotate(brief(one.time_step), (at, value), (4, 4), textcoords="offset points", fontsize=7)
         axes.set(xlabel="processor time per second of motion [s]", ylabel=f"{OUTPUTS[attribute][1]} [m]")
         axes.margins(0.12)
         values = [getattr(one, attribute) for points in _points(results, attribute).values() for one in points]
@@ -106,6 +104,14 @@ def drawn(results: Results) -> Figure:
         scaled(axes, "y", values)
         if axes.has_data():
             axes.legend(loc="best")
+    for axes, attribute in zip((left, right), _ATTRIBUTES, strict=True):
+        named = [one for points in _points(results, attribute).values() for one in points if one.time_step is not None]
+        label_points(
+            axes,
+            [(one.seconds, getattr(one, attribute)) for one in named],
+            [brief(one.time_step) for one in named if one.time_step is not None],
+            [look_of(one.source).colour for one in named],
+        )
     return figure
 
 
