@@ -228,16 +228,25 @@ class AnyPage:
         assert "default-src 'none'" in page.read_text(encoding="utf-8")
 
     def test_nothing_is_cut_off(self, driver):
-        """Fit the page into three widths, where wide tables scroll; each section is photographed into build/."""
+        """Fit the page into three widths, where wide tables scroll, shaded at the side where there is more of them.
+
+        A ranking scrolls on a telephone alone. Each section is photographed into build/.
+        """
         for width in browser.WIDTHS:
             assert all(path.stat().st_size > 1000 for path in browser.photograph(driver, self.folder, width))
             assert driver.execute_script("return document.documentElement.scrollWidth") <= width
             for box in driver.find_elements("css selector", ".scroll"):
-                far, style = driver.execute_script(
-                    "return [arguments[0].getBoundingClientRect().right, getComputedStyle(arguments[0]).overflowX]", box
+                far, style, hidden, shaded = driver.execute_script(
+                    "const style = getComputedStyle(arguments[0]);"
+                    "return [arguments[0].getBoundingClientRect().right, style.overflowX,"
+                    "arguments[0].querySelector('.ranking') && arguments[0].scrollWidth > arguments[0].clientWidth,"
+                    "style.backgroundImage]",
+                    box,
                 )
                 assert far <= width
                 assert style == "auto"
+                assert not (hidden and width >= 900), box.text
+                assert "linear-gradient" in shaded
             for text in driver.find_elements("css selector", "caption > span"):
                 assert driver.execute_script("return arguments[0].getBoundingClientRect().right", text) <= width
 
