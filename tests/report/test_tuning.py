@@ -40,3 +40,19 @@ def test_what_the_scene_sets_is_said_to_be_as_in_its_file(tuning: Tuning) -> Non
     tried = sections.screening(tuning._subject()).context["content"].tables[0].rows
     verdict = next(row.cells[-1] for row in tried if "solref_timeconst" in row.cells[0])
     assert verdict == "not seen: left as in plank.xml"
+
+
+def test_captions_say_what_is_drawn_in_which_unit(tuning: Tuning) -> None:
+    """Name both panels of every picture over time, with their units, and what the engine was given."""
+    content = sections.answer(tuning._subject()).context["content"]
+    (caption,) = [one.caption for one in content.pictures]
+    assert "Above, position of the ball along the beam in m, simulated and as MuJoCo has it" in caption
+    assert "below, the engine's minus the simulated position in mm" in caption
+
+
+def test_no_column_is_without_a_head(tuning: Tuning) -> None:
+    """Give every column of every table a head."""
+    made = (sections.answer, sections.screening, sections.identifiability, sections.inputs)
+    tables = [table for section in made for table in section(tuning._subject()).context["content"].tables]
+    assert tables
+    assert all(column.head for table in tables for column in table.columns)

@@ -59,7 +59,7 @@ def values_table(tuned: Tuned) -> Table:
             remark = "at its bound: its interval says little"
         interval = f"{number(low, 4)} … {number(high, 4)}"
         rows.append((f"`{name}`", default, number(found.values[name], 4), interval, one.unit, remark))
-    columns = [*texts("parameter"), "before", "value", "95 % interval", *texts("unit", "")]
+    columns = [*texts("parameter"), "before", "value", "95 % interval", *texts("unit", "outcome")]
     return Table("Fitted parameters", columns, rows)
 
 
@@ -76,23 +76,35 @@ def drawn(subject: Subject) -> Figure:
 def _free_runs(subject: Subject) -> Picture:
     shown = free_runs(subject)
     caption = (
-        f"{shown.recording.name}: free runs of {subject.engine} over the windows that it was fitted to, each from a "
-        f"start fitted to it, against the {subject.measured} positions: before, with the level angle as given, and "
-        "with the fitted parameters. Errors on readings that were held out are below."
+        f"{shown.recording.name}: what {subject.engine} was fitted to. {_panels(subject)} The engine runs freely over "
+        f"each window, from a start that is fitted as well: before tuning, with the level angle as given, and with the "
+        "fitted parameters."
     )
+    if subject.tuned.held_out is not None:
+        caption += " What it predicts of readings that it was not fitted to is under “Errors on held-out readings”."
     return trajectories.picture(subject, shown, f"Free runs of {subject.engine} before and after tuning", caption)
+
+
+def _panels(subject: Subject) -> str:
+    """What both panels of a picture over time show, and in which units."""
+    return (
+        f"Above, position of the ball along the beam in m, {subject.measured} and as {subject.engine} has it; below, "
+        f"the engine's minus the {subject.measured} position in mm."
+    )
 
 
 def _predictions(subject: Subject) -> tuple[Picture, ...]:
     """Predictions of held-out blocks, one picture a recording."""
-    ahead = f"{AHEAD:g} s predicted from the angle and the positions of the {KNOWN:g} s before"
+    how = (
+        f"The engine gets the positions of {KNOWN:g} s and predicts the next {AHEAD:g} s from the angle alone, with "
+        "parameters fitted without the readings of the block. Of overlapping windows in a block the first is drawn."
+    )
     return tuple(
         trajectories.picture(
             subject,
             one,
             f"Held-out blocks of {one.recording.name}, predicted before and after tuning",
-            f"{one.recording.name}: held-out blocks, {ahead}, with parameters fitted without the readings of the "
-            "block; of the windows of a block, the first is drawn.",
+            f"{one.recording.name}: predictions of held-out blocks. {_panels(subject)} {how}",
         )
         for one in held_out(subject)
     )
@@ -123,7 +135,7 @@ def errors(subject: Subject) -> Section | None:
         if margin is None or not subject.tuned.selection.pays
         else (
             f"The RMS error falls by {length(margin.value)} (95 % interval {length(margin.low)} … "
-            f"{length(margin.high)}, paired bootstrap over blocks; below 0 it rises).",
+            f"{length(margin.high)}, paired bootstrap over blocks; a negative fall would be a rise).",
         )
     )
     note = (
@@ -153,7 +165,7 @@ def screening(subject: Subject) -> Section:
             verdict += f"; {subject.engine} fails with {', '.join(f'{value:g}' for value in one.failed)}"
         tried = ", ".join(number(value, 3) for value in one.tried)
         rows.append((f"`{name}`", tried, number(one.sensitivity), verdict))
-    columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("")]
+    columns = [*texts("parameter", "values tried"), "change of the runs [σ]", *texts("outcome")]
     tried_rows = [
         Row(
             (f"`{one.name}`", ", ".join(name for name in one.beside if name != LEVEL) or "none", number(one.deviance),
@@ -173,10 +185,11 @@ def screening(subject: Subject) -> Section:
         tried_rows,
     )
     note = (
-        "A parameter is seen if one of the values tried changes the whitened free runs by more than "
-        f"{math.sqrt(SEEN):g} standard deviations in all, after the windows' starts and the fitted parameters have "
-        "made up for what they can. Those that promise most are fitted, and the best one is kept if it lowers the BIC "
-        f"by more than {KEEP:g}."
+        f"σ is the standard deviation that reading noise and angle error give the runs. A parameter is seen if one of "
+        f"the values tried changes the free runs by more than {math.sqrt(SEEN):g} σ in all, after the windows' starts "
+        "and the fitted parameters have made up for what they can. Those with the largest expected gain are fitted, "
+        f"and the best one is kept – it “pays” – if it lowers the Bayesian information criterion (BIC) by more than "
+        f"{KEEP:g}. The deviance is the sum of squares of the residuals in σ, in which large ones count less."
     )
     tables = (Table("Sensitivity of the free parameters", columns, rows), attempts)
     content = Content(tables=tables, notes=(note,))
