@@ -52,3 +52,17 @@ def test_screen_and_paper_have_the_same_limits() -> None:
 def test_there_is_no_picture_of_nothing() -> None:
     """Draw nothing where no size of any effect shows."""
     assert picture_of(LIMITS[:1]) is None
+
+
+def test_an_effect_that_grows_as_its_parameter_falls_is_told_so() -> None:
+    """Ask for a smaller friction, not for a larger one, where the ball slips only at less than the typical value."""
+    made = picture_of(LIMITS)
+    assert made is not None
+    assert "times larger" not in made.caption
+    assert (
+        "The contact slip grows as its `size` falls: to the right of the line it shows only if that is as many times "
+        "smaller than the typical one."
+    ) in made.caption
+    without = picture_of([one for one in LIMITS if not one.inverse])
+    assert without is not None
+    assert "grows as" not in without.caption

@@ -48,10 +48,20 @@ def picture_of(limits: Sequence[Limit]) -> Picture | None:
             drawn(limits),
             f"Detection limits of {len(limits)} effects in their typical sizes, the lowest on top.",
             "Detection limits in typical sizes of their effects, on a logarithmic axis: to the left of the line at 1 "
-            "an effect shows at its typical size, to the right of it only if it is as many times larger. The table "
-            "below has the same limits with their units.",
+            "an effect shows at its typical size, to the right of it only at as many times its typical size. "
+            f"{_inverse(rows)}The table below has the same limits with their units.",
             _chart(rows),
         )
+
+
+def _inverse(rows: Sequence[Limit]) -> str:
+    """How to read the picture for effects that grow as their parameter falls; empty without any."""
+    return "".join(
+        f"The {_plain(one)} grows as its `{one.parameter}` falls: to the right of the line it shows only if that is as "
+        "many times smaller than the typical one. "
+        for one in rows
+        if one.inverse
+    )
 
 
 @style()
