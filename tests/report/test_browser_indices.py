@@ -47,8 +47,8 @@ def test_every_index_is_told_with_its_interval(driver):
         button.click()
         told.append(driver.find_element("css selector", f"{scope} .picked").text.replace("−", "-"))
     for one in FACTORS:
-        first = f"first order: alone, {one.factor}: share of the variance {one.first:g} ± {one.first_half:g}"
-        total = f"total: with others, {one.factor}: share of the variance {one.total:g} ± {one.total_half:g}"
+        first = f"first order: alone, {one.factor}: share of the error's variance {one.first:g} ± {one.first_half:g}"
+        total = f"total: with others, {one.factor}: share of the error's variance {one.total:g} ± {one.total_half:g}"
         assert told.count(first) == told.count(total) == 1
 
 

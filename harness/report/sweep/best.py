@@ -33,5 +33,12 @@ def table(subject: Subject) -> Table:
         rows.append(
             (label_of(one.source), length(one.error), length(one.largest), values, str(one.run), str(one.candidates))
         )
-    columns = [*texts("source"), "smallest RMS error", "largest", *texts("values"), "run", "compared"]
+    columns = [
+        *texts("model or engine"),
+        "smallest RMS error",
+        "largest RMS error",
+        *texts("values of the smallest"),
+        "run",
+        "tried",
+    ]
     return Table("", columns, rows)

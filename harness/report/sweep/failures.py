@@ -28,4 +28,4 @@ def table(results: Results) -> Table:
         (label_of(one.source), f"`{one.failure}`", str(one.runs), str(one.example), one.message)
         for one in results.failures
     ]
-    return Table("Failures", [*texts("source", "failure"), "runs", "first run", *texts("what it said")], rows)
+    return Table("Failures", [*texts("model or engine", "failure"), "runs", "first run", *texts("what it said")], rows)

@@ -44,14 +44,14 @@ def _remarks(subject: Subject, one: Indices) -> list[str]:
     made = []
     if one.dropped:
         made.append(
-            f"{_title(subject, one)}: {one.dropped} of {one.base_samples} base samples left out, because a run of "
-            "theirs failed."
+            f"{_title(subject, one)}: {one.dropped} of {one.base_samples} samples of the design (`size`) left out, "
+            "because a run of theirs failed."
         )
     beyond = [each.factor for each in one.factors if max(each.first, each.total) > 1.0]
     if beyond:
         made.append(
             f"{_title(subject, one)}: an index of {listed([f'`{name}`' for name in beyond])} is above 1, which no "
-            f"share is: {one.base_samples} base samples leave it that uncertain; sweep more of them (`size`)."
+            f"share is: {one.base_samples} samples of the design leave it that uncertain; sweep more of them (`size`)."
         )
     return made
 
@@ -74,7 +74,7 @@ def tables(subject: Subject) -> list[Table]:
                 (f"`{each.factor}`", _with(each.first, each.first_half), _with(each.total, each.total_half))
                 for each in one.factors
             ]
-            columns = [*texts("factor"), "first order [1]", "total [1]"]
+            columns = [*texts("quantity"), "first order [1]", "total [1]"]
             made.append(Table(f"Sobol' indices: {_title(subject, one)}", columns, rows))
     return made
 
@@ -104,8 +104,8 @@ def chart(subject: Subject, number: int, one: Indices) -> Chart:
         names = [each.factor for each in one.factors]
         shown = Look(_ORDERS[key], colour, None, _MARK)
         traces.append(Trace(f"{key} order", shown, values, places, dots=True, notes=names, spread=halves))
-    panel = Panel("factor", "", traces, zero=True, rows=[each.factor for each in one.factors])
-    return Chart(f"indices-{number}", [panel], "share of the variance", "1")
+    panel = Panel("quantity", "", traces, zero=True, rows=[each.factor for each in one.factors])
+    return Chart(f"indices-{number}", [panel], "share of the error's variance", "1")
 
 
 @style()
@@ -123,11 +123,12 @@ def _picture(subject: Subject, number: int, one: Indices) -> Picture:
         )  # fmt: skip
     axes.set_yticks(places, [each.factor for each in one.factors])
     axes.axvline(0.0, color=INK, linewidth=0.8)
-    axes.set_xlabel("share of the variance")
+    axes.set_xlabel("share of the error's variance [1]")
     figure.legend(loc="outside upper right", ncols=2)
     return picture(
         figure,
-        f"Sobol' indices of {len(one.factors)} factors",
-        f"{_title(subject, one)}. Of each factor, first order above total. Lines: 95 % intervals.",
+        f"Sobol' indices of {len(one.factors)} quantities",
+        f"{_title(subject, one)}: share of its variance that each quantity explains, alone (first order, above) and "
+        "with the others (total, below). Lines: 95 % intervals.",
         chart(subject, number, one),
     )

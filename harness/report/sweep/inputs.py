@@ -10,8 +10,14 @@ from harness.report.scenes import BUILT_IN, scenes_in_words
 from harness.report.sweep.subject import Subject
 from harness.report.tables import Table, texts
 from harness.sweeps.factors import Factor
+from harness.sweeps.spec import GRID, LATIN_HYPERCUBE, SOBOL, Spec
 
 _MOST = 12
+_DESIGNS = {
+    GRID: "grid: every combination of the values",
+    LATIN_HYPERCUBE: "Latin hypercube: values of the ranges drawn evenly, each range cut into as many parts as samples",
+    SOBOL: "Sobol' sequence: values that fill the ranges evenly",
+}
 
 
 def section(subject: Subject) -> Section | None:
@@ -26,14 +32,18 @@ def section(subject: Subject) -> Section | None:
         "sweep/inputs.html",
         {
             "table": _factors(subject),
-            "design": spec.design.replace("_", " "),
-            "size": spec.size,
-            "seed": spec.seed,
+            "design": _design(spec),
             "scenes": _scenes(subject),
             "recordings": ", ".join(names[:_MOST]) + more,
             "command": subject.command,
         },
     )
+
+
+def _design(spec: Spec) -> str:
+    """How values were combined, and from how many samples and which seed they were drawn."""
+    drawn = "" if spec.design == GRID else f"; {spec.size} samples, seed {spec.seed}"
+    return _DESIGNS[spec.design] + drawn
 
 
 def _scenes(subject: Subject) -> list[str]:
@@ -52,7 +62,7 @@ def _factors(subject: Subject) -> Table:
     for source, factors in subject.plan.spec.factors.items():
         for one in factors:
             rows.append((label_of(source), f"`{one.name}`", _values(subject, one)))
-    return Table("", texts("source", "factor", "values"), rows)
+    return Table("", texts("model or engine", "quantity", "values"), rows)
 
 
 def _values(subject: Subject, factor: Factor) -> str:

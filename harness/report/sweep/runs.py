@@ -135,4 +135,9 @@ def _picture(subject: Subject, name: str) -> plots.Picture | None:
     if not made.panels:
         return None
     with plots.style():
-        return plots.picture(drawn(subject, name), f"Errors of every run over {name}", f"Errors over `{name}`.", made)
+        unit = _unit(subject, name)
+        caption = (
+            f"Errors in m of every run over `{name}`{f' in {unit}' if unit not in ('', '1') else ''}, one point a run; "
+            "the run with the smallest RMS error of each model or engine is ringed."
+        )
+        return plots.picture(drawn(subject, name), f"Errors of every run over {name}", caption, made)

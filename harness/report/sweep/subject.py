@@ -40,7 +40,7 @@ class Subject:
     def horizon(self) -> str:
         """How long the runs are, in words."""
         window = self.plan.spec.window
-        return "one free run over each recording" if window is None else f"windows of {brief(window)} s"
+        return "one free run over each recording" if window is None else f"each run begins anew every {brief(window)} s"
 
     @property
     def subtitle(self) -> str:

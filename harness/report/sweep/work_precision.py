@@ -30,8 +30,8 @@ def section(subject: Subject) -> Section | None:
         return None
     return Section(
         "work-precision",
-        "Error against time",
-        "Error and time",
+        "Accuracy and processor time",
+        "Accuracy",
         "sweep/work_precision.html",
         {
             "picture": _picture(subject) if _drawable(results) else None,
@@ -62,17 +62,17 @@ def table(results: Results, *, marked: bool = False) -> Table | None:
         for one in results.work_precision
     ]
     columns = [
-        *texts("source"),
+        *texts("model or engine"),
         "time step [s]",
-        Column("time / motion", "1", hint="median processor time of a run over the time that it simulates"),
-        Column("times the fastest", "1"),
-        Column("to CAM", "median", hint="largest difference from CAM in a run"),
-        Column("to CAM", "largest"),
-        Column("to the recording", "median", hint="RMS error against the recorded positions"),
+        Column("time per second", "s", hint="processor time of a run per second of motion, median of the runs"),
+        Column("over the fastest", "1"),
+        Column("difference from CAM", "median", hint="largest in a run, median of the runs"),
+        Column("difference from CAM", "largest", hint="largest of all runs"),
+        Column("RMS error", "median", hint="against the recorded positions, median of the runs"),
         "runs",
         "failed",
     ]
-    return Table("Error against time", columns, rows)
+    return Table("Processor time and accuracy by time step", columns, rows)
 
 
 def _points(results: Results, attribute: str) -> dict[str, list[WorkPrecision]]:
@@ -144,8 +144,9 @@ def _picture(subject: Subject) -> Picture:
     with style():
         return picture(
             drawn(subject.results),
-            "Error over time, one line an engine, one point a step size",
-            "Medians of all runs with a step size.",
+            "Error over processor time, one line an engine, one point a time step",
+            "Largest difference from CAM and RMS error against the recording, in m, over the processor time that a "
+            "second of motion takes, in s; medians of all runs with one time step. To the lower left is better.",
             chart(subject),
-            "The step size [s] is beside each point.",
+            "The time step in s is beside each point.",
         )
