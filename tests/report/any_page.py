@@ -263,6 +263,17 @@ class AnyPage:
                 driver.execute_script("return getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
             )
 
+    def test_sections_flow_on_paper(self, driver):
+        """Begin no sheet for a section, leave no heading alone at the foot of one, and print colours as they are."""
+        style = (
+            "return [...new Set([...document.querySelectorAll(arguments[0])].map((one) => getComputedStyle(one)[%r]))]"
+        )
+        with browser.on_paper(driver):
+            assert driver.execute_script(style % "breakBefore", "section") == ["auto"]
+            for heading in ("h2", "summary"):
+                assert driver.execute_script(style % "breakAfter", heading) in (["avoid"], [])
+            assert driver.execute_script(style % "printColorAdjust", ".swatch, .badge, tr, td") in (["exact"], [])
+
     def test_without_scripts_it_shows_the_still_pictures(self, chromium, page):
         """Show every still picture, and no control, where scripts are switched off."""
         with browser.without_scripts(chromium):

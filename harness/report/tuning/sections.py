@@ -224,10 +224,11 @@ def inputs(subject: Subject) -> Section:
     table = Table("Recordings fitted to", [*texts("recording"), "length [s]", "positions"], rows)
     found = tuned.selection.found
     before, after = (number(math.sqrt(one.misfit)) for one in (tuned.selection.before, found))
+    windows = "One window" if len(tuned.windows) == 1 else f"{len(tuned.windows)} windows"
     lasting = float(np.median([one.time[-1] - one.time[0] for one in tuned.windows]))
     scene = f"Scene of {subject.engine}: `{subject.scene_file}`, given in rig.toml. " if subject.scene_file else ""
     text = (
-        f"{scene}{len(tuned.windows)} windows of about {number(lasting, 2)} s. Noise of a position reading: "
+        f"{scene}{windows} of about {number(lasting, 2)} s. Noise of a position reading: "
         f"{length(math.sqrt(problem.reading_variance), 2)}. Root mean square of the residuals over what noise and "
         f"angle error explain: {before} before, {after} after."
     )
