@@ -23,9 +23,10 @@ AZIMUTH, ELEVATION = 85.0, -12.0  # of the direction of view, almost across the 
 # What carries the beam, and how it is drawn where it would hide a ball above the pivot.
 STAND = ("cheek_left", "cheek_right", "bracket_left", "bracket_right", "axle")
 STAND_OPACITY = 0.1
-SHADOWS = (
-    1024  # side of the picture of shadows [pixels]; with 4096 a processor without graphics takes half as long again
-)
+# Side of the picture of shadows [pixels]; with 4096 a processor without graphics takes a third as long again. What of
+# the light's cone it covers is no more than the beam, or its pixels are so large that the walls shade themselves.
+SHADOWS = 2048
+SHADOW_MARGIN = 1.1  # of the angle covered over that under which the light sees the beam
 STRIP = 2.5  # aspect beyond which the beam is put into the lower half, below what is written above it
 NARROWEST = 30.0  # width of the picture, in radii of the ball
 MARGIN = 1.06  # of the width of the picture over the length of the beam
@@ -42,6 +43,7 @@ class Drawing:
         self.model.vis.quality.shadowsize = SHADOWS
         self.model.mat("steel").rgba[:3] = ENGINE_COLOUR  # of the ball alone; its cross stays dark
         self._see_through_stand()
+        self._shadow_the_beam_alone()
         self.data = mujoco.MjData(self.model)
         self._instant: Instant | None = None
         self._ball = self.model.geom("ball").id
@@ -55,6 +57,16 @@ class Drawing:
             geom = self.model.geom(name)
             geom.rgba[:] = *self.model.mat_rgba[geom.matid[0], :3], STAND_OPACITY
             geom.matid[0] = -1
+
+    def _shadow_the_beam_alone(self) -> None:
+        """Narrow the cone in which the key light casts shadows to the beam, which it sees from a given place."""
+        light, channel = int(np.flatnonzero(self.model.light_castshadow)[0]), self.playback.channel
+        ends = np.array([(x, 0.0, channel.ball_height) for x in (channel.x_from, channel.x_to)])
+        ways = ends - self.model.light_pos[light]
+        towards = self.model.light_dir[light] / np.linalg.norm(self.model.light_dir[light])
+        widest = np.degrees(np.arccos(np.min(ways @ towards / np.linalg.norm(ways, axis=1))))
+        share = SHADOW_MARGIN * float(widest) / float(self.model.light_cutoff[light])
+        self.model.vis.map.shadowscale = min(self.model.vis.map.shadowscale, share)
 
     def place(self, run: int, time: float) -> Instant:
         """Put beam and ball where they are in a run at `time` [s]; what is shown now."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from analytic.quintic import QuinticMotion
 from harness.errors import InputError
 from harness.viewing.drawing import FOVY, Drawing
 from harness.viewing.film import HEIGHT, MOST_FRAMES, WIDTH, check_target, times_of, write_film
@@ -43,6 +44,29 @@ def test_a_ball_that_is_not_known_is_not_drawn() -> None:
         picture = renderer.picture()
     assert not orange(picture).any()
     assert blue(picture).any()
+
+
+@pytest.mark.parametrize("angle", [-0.1, 0.03, 0.1])
+def test_no_wall_shades_itself(angle: float) -> None:
+    """Draw the beam without dashes of shadow on it, away from where the balls shade it."""
+    need_opengl()
+    playback = made()
+    motion = QuinticMotion(np.array([0.0, 1.0]), np.array([[angle, 0.0, 0.0]] * 2))
+    playback = replace(playback, runs=(replace(playback.runs[0], motion=motion),))
+    pictures = []
+    for shadows in (True, False):
+        drawing = Drawing(playback)
+        drawing.model.light_castshadow[:] &= shadows
+        with offscreen(drawing, WIDTH, HEIGHT) as renderer:
+            drawing.place(0, 0.3)
+            pictures.append(renderer.picture().astype(int))
+    shaded, plain = pictures
+    wall = (plain[..., 2] - plain[..., 0] > 6) & (plain[..., 1] > 160)  # bluish and bright: nothing else is
+    balls = np.flatnonzero((orange(plain.astype(np.uint8)) | blue(plain.astype(np.uint8))).sum(axis=0) >= 3)
+    near = np.abs(np.arange(WIDTH)[:, None] - balls).min(axis=1) < 30
+    dark = (plain - shaded).max(axis=-1) > 20
+    assert wall.sum() > 20_000
+    assert (wall & dark)[:, ~near].sum() < 40  # single pixels at corners; dashes are hundreds
 
 
 def test_the_stand_hides_no_ball() -> None:
