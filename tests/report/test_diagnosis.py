@@ -202,7 +202,7 @@ def test_warnings_of_engines_stand_with_their_errors(html, diagnosis, case):
     section = render_diagnosis(warned, record, case).partition('<section id="errors"')[2].partition("</section>")[0]
     assert f"MuJoCo: {sags[1]}" in section
     assert section.count("linkage") == 1
-    assert "warn of" not in html
+    assert "engines say" not in html
 
 
 def test_innovations_no_longer_know_the_angle(html, diagnosis):
