@@ -103,6 +103,9 @@ def divide(path: Path, rows: Rows, *, aligned: bool = False) -> Sheet:
         else:
             break
         head -= 1
+    above = list(rows[:head])
+    if not names and (titled := _names_above(above, width)) is not None:
+        names = above.pop(titled)[1]
     width = max(width, min(len(names), most))
     if width > MOST_COLUMNS:
         raise InputError(f"{place(path, rows[begin][0])}: {width} columns; at most {MOST_COLUMNS} are read.")
@@ -110,18 +113,28 @@ def divide(path: Path, rows: Rows, *, aligned: bool = False) -> Sheet:
     if not aligned:
         names, units, said = _with_first(path, rows[head:begin], names, units, body)
         notes = (*notes, *said)
-    above = [row for row, cells in rows[:head] if is_data(cells) and len(_trimmed(cells)) > 1]
-    if above:
-        notes = (*notes, f"{rows_text(above)} above the table left out, though it looks like data")
+    like_data = [row for row, cells in above if is_data(cells) and len(_trimmed(cells)) > 1]
+    if like_data:
+        notes = (*notes, f"{rows_text(like_data)} above the table left out, though it looks like data")
     filled = (*names, *[""] * width)[:width]
     return Sheet(
-        tuple(cells for _, cells in rows[:head]),
+        tuple(cells for _, cells in above),
         tuple(unique_names(filled)),
         tuple(unit.strip("()[] ") for unit in (*units, *[""] * width)[:width]),
         tuple(cells for _, cells in body),
         np.array([row for row, _ in body]),
         notes,
     )
+
+
+def _names_above(above: Rows, width: int) -> int | None:
+    """Index of a row of names that remarks part from the data: the last as wide as these, if only narrower follow."""
+    for index in range(len(above) - 1, -1, -1):
+        cells = above[index][1]
+        if len(cells) >= width:
+            named = 1 < width == len(cells) and not any(is_missing(cell) or is_number(cell) for cell in cells)
+            return index if named else None
+    return None
 
 
 def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tuple[str, ...]]:

@@ -56,6 +56,13 @@ def test_names_that_are_too_few(tmp_path: Path, head: str, told: str) -> None:
     assert str(tmp_path / "a.csv") in str(caught.value)
 
 
+def test_remarks_between_names_and_numbers(tmp_path: Path) -> None:
+    """Find the names above the remarks that a logger writes between them and the first reading."""
+    head = "n,t,angle,x\n# Run: trial 21\n# Controller: PID, tuned\n# Scale: 0.15 m per unit"
+    source = read_file(put(tmp_path / "a.csv", head))
+    assert [one.name for one in source.groups[0].signals] == ["n", "t", "angle", "x"]
+
+
 def test_a_line_of_the_preamble_is_no_header(tmp_path: Path) -> None:
     """Number columns below words that name no quantity."""
     source = read_file(put(tmp_path / "a.csv", "Operator,Miller", first="0.0{}"))
