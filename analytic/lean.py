@@ -61,7 +61,7 @@ def dry_run(
     last: int,
     out: FloatArray,
 ) -> None:
-    """As `smooth_run`, on the path `DRY`: a friction against rolling that differs between directions at most."""
+    """As `smooth_run`, on the path `DRY`: a friction that can hold the ball."""
     s, v, centrifugal = out[0, 0], out[0, 1], p[slots.CENTRIFUGAL]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
@@ -69,7 +69,7 @@ def dry_run(
             middle = push(sines[2 * j + 1], table[2 * j + 1, 1], table[2 * j + 1, 2], p)
             end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
             s_end, v_end = smooth_step(s, v, steps[j], begin, middle, end, centrifugal)
-            s, v = resisted(s, v, steps[j], s_end, v_end, friction_at(table, 2 * j + 1, p))
+            s, v = resisted(s, v, steps[j], s_end, v_end, friction_at(table, 2 * j + 1, p), p)
         out[stamp - first, 0], out[stamp - first, 1] = s, v
 
 
@@ -94,9 +94,9 @@ def damped_run(
             end = push(sines[2 * j + 2], table[2 * j + 2, 1], table[2 * j + 2, 2], p)
             if dry:
                 friction = friction_at(table, 2 * j + 1, p)
-                lost = lost_to(friction, s, v, steps[j])
+                lost = lost_to(friction, s, v, steps[j], p)
                 s_end, v_end = damped_step(s, v, steps[j], begin, middle, end, lost, p)
-                s, v = resisted(s, v, steps[j], s_end, v_end, friction)
+                s, v = resisted(s, v, steps[j], s_end, v_end, friction, p)
             else:
                 s, v = damped_step(s, v, steps[j], begin, middle, end, 0.0, p)
         out[stamp - first, 0], out[stamp - first, 1] = s, v

@@ -1,4 +1,4 @@
-"""A step with the model's own terms, a plain dry friction and smooth ones of the velocity, on paths of their own.
+"""A step with the model's own terms, a dry friction and smooth ones of the velocity, on paths of their own.
 
 `analytic.step.advance` asks at every step which of all effects act, and computes sin(α + α₀) at every stage. Which of
 them act does not change during a run, and what the beam does to a ball is the same for all balls at all places: both
@@ -14,7 +14,7 @@ import numpy as np
 
 from analytic import slots
 from analytic.compiled import njit
-from analytic.law import OF_SENSOR
+from analytic.law import OF_SENSOR, has_dry_friction
 from analytic.motion import FloatArray
 
 GENERAL, SMOOTH, DRY, DAMPED, DAMPED_DRY = range(5)
@@ -35,6 +35,8 @@ _LEAN = (  # slots that one of the lean paths reads
     slots.TURN,  # nothing without TRACTION
     slots.DRY_PLUS,
     slots.DRY_MINUS,
+    slots.DRY_STATIC,
+    slots.STRIBECK_VELOCITY,  # nothing without DRY_STATIC
     slots.VISCOUS,
     slots.QUADRATIC,
 )
@@ -49,7 +51,7 @@ def path_of(p: FloatArray) -> int:
     for slot in _ZERO:
         if p[slot] != 0.0:
             return GENERAL
-    dry = p[slots.DRY_PLUS] != 0.0 or p[slots.DRY_MINUS] != 0.0
+    dry = has_dry_friction(p)
     if p[slots.VISCOUS] != 0.0 or p[slots.QUADRATIC] != 0.0:
         return DAMPED_DRY if dry else DAMPED
     return DRY if dry else SMOOTH
@@ -66,6 +68,7 @@ class Push(NamedTuple):
 class Friction(NamedTuple):
     """A dry friction in mid-step: k c against motion in + and − [1], and what the normal force N consists of.
 
+    Where c depends on the velocity after Stribeck, k c is what it falls to.
     N/m = `pressed` − 2 ṡ `rate` − s `angular` − `turn` [m/s²].
     """
 
@@ -152,35 +155,45 @@ def _damped(s: float, v: float, on: Push, p: FloatArray) -> float:
 
 
 @njit(cache=True, inline="always")
-def lost_to(friction: Friction, s: float, v: float, h: float) -> float:
+def lost_to(friction: Friction, s: float, v: float, h: float, p: FloatArray) -> float:
     """What dry friction takes of ṡ in half a step of `h` [s], as `analytic.step._lost` [m/s]."""
     if v == 0.0:
         return 0.0
     sign = 1.0 if v > 0.0 else -1.0
-    return sign * min(0.5 * h * _limit(friction, s, v, sign), abs(v))
+    return sign * min(0.5 * h * _limit(friction, s, v, sign, p), abs(v))
 
 
 @njit(cache=True, inline="always")
-def _limit(friction: Friction, s: float, v: float, towards: float) -> float:
+def _limit(friction: Friction, s: float, v: float, towards: float, p: FloatArray) -> float:
     """Largest deceleration against motion `towards` + or − [m/s²]."""
     plus, minus, pressed, rate, angular, turn = friction
-    return (plus if towards > 0.0 else minus) * max(pressed - 2.0 * v * rate - s * angular - turn, 0.0)
+    share = plus if towards > 0.0 else minus
+    if p[slots.DRY_STATIC] != 0.0:
+        ratio = v / p[slots.STRIBECK_VELOCITY]
+        coefficient = p[slots.DRY_PLUS] if towards > 0.0 else p[slots.DRY_MINUS]
+        coefficient += p[slots.DRY_STATIC] * np.exp(-ratio * ratio)
+        share = p[slots.RESPONSE] * max(coefficient, 0.0)
+    return share * max(pressed - 2.0 * v * rate - s * angular - turn, 0.0)
 
 
 @njit(cache=True, inline="always", error_model="numpy")
-def resisted(s: float, v: float, h: float, s_end: float, v_end: float, friction: Friction) -> tuple[float, float]:
+def resisted(
+    s: float, v: float, h: float, s_end: float, v_end: float, friction: Friction, p: FloatArray
+) -> tuple[float, float]:
     """(s, ṡ) after a step with dry friction, given the step without it: as `analytic.step._resist`."""
     drive, rest = (v_end - v) / h, h
     if v != 0.0:
         sign = 1.0 if v > 0.0 else -1.0
-        limit = _limit(friction, s, v, sign)
+        limit = _limit(friction, s, v, sign, p)
+        if p[slots.DRY_STATIC] != 0.0:
+            limit = _limit(friction, s, v + 0.5 * h * (drive - sign * limit), sign, p)
         v_end -= sign * limit * h
         if sign * v_end >= 0.0:
             return s_end - 0.5 * sign * limit * h * h, v_end
         stop = v / (sign * limit - drive)
         s, rest = s + 0.5 * v * stop, h - stop
     sign = 1.0 if drive > 0.0 else -1.0
-    limit = _limit(friction, s, 0.0, sign)
+    limit = _limit(friction, s, 0.0, sign, p)
     if abs(drive) <= limit:
         return s, 0.0
     if v == 0.0:

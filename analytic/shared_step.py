@@ -55,10 +55,10 @@ def ball_step(
     if path == GENERAL:
         return advance(s, v, w, h, beam, row, p)
     if path in (DAMPED, DAMPED_DRY):
-        lost = lost_to(on.friction, s, v, h) if path == DAMPED_DRY else 0.0
+        lost = lost_to(on.friction, s, v, h, p) if path == DAMPED_DRY else 0.0
         s_end, v_end = damped_step(s, v, h, on.begin, on.middle, on.end, lost, p)
     else:
         s_end, v_end = smooth_step(s, v, h, on.begin, on.middle, on.end, p[slots.CENTRIFUGAL])
     if path in (DRY, DAMPED_DRY):
-        s_end, v_end = resisted(s, v, h, s_end, v_end, on.friction)
+        s_end, v_end = resisted(s, v, h, s_end, v_end, on.friction, p)
     return s_end, v_end, w

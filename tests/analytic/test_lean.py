@@ -22,6 +22,9 @@ RIG = Rig(level_angle=0.002)
 STAMPS = np.concatenate(([0.0], np.sort(np.random.default_rng(3).uniform(0.0, 10.0, 400)), [10.0]))
 GRID = Grid.over(STAMPS)
 VISCOUS, QUADRATIC = (acting(name, {"coefficient": 0.02}) for name in ("viscous_damping", "quadratic_drag"))
+STRIBECK = acting(
+    "stribeck_friction", {"static_coefficient": 0.02, "kinetic_coefficient": 0.004, "stribeck_velocity": 0.03}
+)
 DAMPINGS = ((VISCOUS,), (QUADRATIC,), (VISCOUS, QUADRATIC))
 STARTS = np.array([(0.36, 0.05), (0.36, 0.0), (-0.2, -0.3), (0.0, 1.0)])
 MOTIONS = {
@@ -67,6 +70,7 @@ def test_dry_path_is_the_general_step(motion: BeamMotion) -> None:
     """Stop, stick, start again and turn round with the bits of the general step, alike and unlike by direction."""
     terms: list[Acting] = [acting("rolling_resistance", {"coefficient": c}) for c in (1e-4, 0.003, 0.03)]
     terms.append(acting("directional_resistance", {"coefficient_plus": 0.004, "coefficient_minus": 0.012}))
+    terms.append(STRIBECK)
     vectors = [parameters_with(CAM, RIG, [one]) for one in terms]
     assert {path_of(p) for p in vectors} == {DRY}
     check(motion, vectors)
@@ -91,6 +95,7 @@ def test_damped_dry_path_is_the_general_step(motion: BeamMotion) -> None:
         acting("rolling_resistance", {"coefficient": 0.003}),
         acting("rolling_resistance", {"coefficient": 0.03}),
         acting("directional_resistance", {"coefficient_plus": 0.004, "coefficient_minus": 0.012}),
+        STRIBECK,
     )
     vectors = [parameters_with(CAM, RIG, [dry, *one]) for dry in resistances for one in DAMPINGS]
     assert {path_of(p) for p in vectors} == {DAMPED_DRY}
@@ -122,9 +127,10 @@ def test_friction_of_the_paper_takes_the_general_path(model: Model) -> None:
 
 def test_every_slot_of_an_effect_decides_the_path() -> None:
     """Send a run to the general path for each slot whose effect the lean ones do not have."""
-    lean = {slots.DRY_PLUS: DRY, slots.DRY_MINUS: DRY, slots.VISCOUS: DAMPED, slots.QUADRATIC: DAMPED}
+    dry = (slots.DRY_PLUS, slots.DRY_MINUS, slots.DRY_STATIC)
+    lean = {**dict.fromkeys(dry, DRY), slots.VISCOUS: DAMPED, slots.QUADRATIC: DAMPED}
     switches = {slots.READING, *range(slots.VISCOUS, slots.SHAPE + 1)} - {slots.PHASE, slots.ORIGIN, slots.ROLL}
-    for slot in sorted(switches - {slots.TURN}):  # these four are no effect by themselves
+    for slot in sorted(switches - {slots.TURN, slots.STRIBECK_VELOCITY}):  # these five are no effect by themselves
         p = coefficients(CAM, RIG)
         p[slot] = 1.0
         assert path_of(p) == lean.get(slot, GENERAL), slot

@@ -19,12 +19,14 @@ from tests.motions import Sines
 RIG = Rig(level_angle=0.002)
 GRID = Grid.over(np.linspace(0.0, 5.0, 251))
 RESISTANCE = {"rolling_resistance": {"coefficient": 0.03}}
+STRIBECK = {"static_coefficient": 0.03, "kinetic_coefficient": 0.01, "stribeck_velocity": 0.05}
 DAMPING = {"viscous_damping": {"coefficient": 0.02}, "quadratic_drag": {"coefficient": 0.03}}
 EFFECTS: dict[str, tuple[int, dict[str, dict[str, float]]]] = {
     "nothing": (SMOOTH, {}),
     "a dry friction": (DRY, RESISTANCE),
     "a damping": (DAMPED, DAMPING),
     "a dry friction and a damping": (DAMPED_DRY, RESISTANCE | DAMPING),
+    "a friction after Stribeck": (DRY, {"stribeck_friction": STRIBECK}),
     "slip": (GENERAL, {"contact_slip": {"friction_coefficient": 0.01}}),
 }
 
