@@ -75,7 +75,7 @@ def measured(trial: Trial) -> Row:
     recording, truth = case.recordings[name], recordings[-1].noiseless
     after = recording.time - recording.time[0] - KNOWN_UNTIL
     known = replace(recording, position=np.where(after <= 0.0, recording.position, np.nan))
-    prepared = PreparedRecording.of(observe(known, case.sensors, problem.rig))
+    prepared = PreparedRecording.of(observe(known, case.sensors, problem.rig, problem.noise_share))
     predicted = forecast(problem, said.found, prepared, prepared.reading)
     table = predicted.table()
     inside = (truth >= table["low_m"]) & (truth <= table["high_m"])

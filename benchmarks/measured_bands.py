@@ -88,7 +88,7 @@ def parted(case: Case, scratch: Path) -> Iterator[tuple[str, Problem, list[tuple
 def windows(case: Case, problem: Problem, found: Fit, rest: Sequence[tuple[str, float, float]]) -> Iterator[Window]:
     """Predictions of what was left out."""
     for name, since, until in rest:
-        observed = observe(case.recordings[name], case.sensors, problem.rig)
+        observed = observe(case.recordings[name], case.sensors, problem.rig, problem.noise_share)
         prepared = PreparedRecording.of(observed)
         time, reading = prepared.time, prepared.reading
         for begin in np.arange(max(since, time[0]), min(until, time[-1]) - KNOWN - AHEAD, AHEAD):

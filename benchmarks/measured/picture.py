@@ -56,7 +56,7 @@ def draw_windows(case: Case, diagnosis: LoadedDiagnosis, path: Path) -> Path:
     """
     model = diagnosis.record.model
     recording = case.recordings[case.identify[0]]
-    record = PreparedRecording.of(observe(recording, diagnosis.sensors, rig_of(model)))
+    record = PreparedRecording.of(observe(recording, diagnosis.sensors, rig_of(model), model.noise_share))
     problem, found = read_model(model, record, str(diagnosis.origin))
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     axes = figure.add_subplot()

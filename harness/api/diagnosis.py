@@ -211,7 +211,9 @@ def diagnose(
             from harness.preparation.recordings import observe
 
             problem = problem_of(case)
-            records = [PreparedRecording.of(observe(one, case.sensors, problem.rig)) for one in further]
+            records = [
+                PreparedRecording.of(observe(one, case.sensors, problem.rig, problem.noise_share)) for one in further
+            ]
             if case.scene is not None:
                 try_scene(case.scene, problem.rig)
             found = find(

@@ -160,7 +160,7 @@ class LoadedDiagnosis(Summarised):
         from harness.preparation.recordings import observe
 
         model = self.record.model
-        record = prepared_for(model, observe(read, sensors, rig_of(model)))
+        record = prepared_for(model, observe(read, sensors, rig_of(model), model.noise_share))
         problem, found = read_model(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 

@@ -40,6 +40,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
         roughness=problem.roughness,
+        noise_share=problem.noise_share,
         visited_m=visited(problem, Regressor.POSITION),
     )
 
@@ -87,6 +88,7 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
         kept.reading_variance_m2,
         colour=colour,
         roughness=kept.roughness,
+        noise_share=kept.noise_share,
     )
     theta = np.array(kept.parameters, dtype=float)
     _check_parameters(theta, hypothesis, problem, origin)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
+from harness.identify.estimate.angle_noise import told_noise_share
 from harness.identify.estimate.noise_colour import with_noise_colour
 from harness.identify.problem.problem import Problem
 from harness.identify.rig_completion import complete_rig, missing
@@ -32,9 +34,15 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
         raise InputError(" ".join([text, *why]))
     declared = declared_effects(case)
     completed = complete_rig(case, case.recordings[names[0]])
-    every = [observe(case.recordings[name], case.sensors, completed.rig) for name in names]
     unknown = unknown_effects(case.rig, lever=completed.tells_lever)
-    return with_noise_colour(Problem.of(every, completed.rig, declared, unknown))
+
+    def posed(noise_share: float) -> Problem:
+        every = [observe(case.recordings[name], case.sensors, completed.rig, noise_share) for name in names]
+        return replace(Problem.of(every, completed.rig, declared, unknown), noise_share=noise_share)
+
+    problem = posed(1.0)
+    noise_share = told_noise_share(problem)
+    return with_noise_colour(problem if noise_share == 1.0 else posed(noise_share))
 
 
 def unknown_effects(known: KnownRig, *, lever: bool = True) -> tuple[str, ...]:

@@ -43,13 +43,14 @@ def _unused(recording: Recording) -> str:
     return " ".join(one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns")
 
 
-def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
+def observe(recording: Recording, sensors: Sensors, rig: Rig, noise_share: float = 1.0) -> Observed:
     """Prepares a recording, with the declared or inferred resolution of its sensors.
 
     Args:
         recording: checked.
         sensors: what is declared of them.
         rig: complete; a rough one if it is unknown. The ball's motion is smoothed relative to CAM on this rig.
+        noise_share: what of the scatter of the angle, where it is not declared, is an error (`Drive.quieter`) [1].
 
     Raises:
         InputError: fewer than three positions are known.
@@ -66,7 +67,7 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig) -> Observed:
         recording.angle,
         resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
         noise=sensors.angle_noise,
-    )
+    ).quieter(noise_share)
     resolution = sensors.position_resolution or inferred_resolution(recording.position)
     position = np.where(recording.usable, recording.position, np.nan)
     ball = estimate_ball(recording.time, position, drive, rig, noise=sensors.position_noise, resolution=resolution)

@@ -44,6 +44,11 @@ class AngleSensor:
         return self.noise < _DITHERED * self.resolution
 
     @property
+    def scatters(self) -> bool:
+        """Whether the readings scatter by more than rounding, as far as the record alone tells."""
+        return self.estimated and not self.rounded
+
+    @property
     def by_counts(self) -> bool:
         """Whether readings are smoothed as counts, whose noise is estimated where it is not declared."""
         return self.estimated or self.rounded
@@ -98,6 +103,15 @@ class Drive(QuinticMotion):
         sensor, density = self.sensor, factor * self._smoothed.density
         smoothed, variance, _ = _smooth(self.time, self.reading, sensor, sensor.noise, density)
         return _drive(self.reading, sensor, smoothed, variance)
+
+    def quieter(self, share: float) -> Drive:
+        """From the same readings, of which only `share` of the scatter [1] is an error; the rest is motion.
+
+        Readings that are known within their counts, or whose noise is declared, stay as they are.
+        """
+        if share == 1.0 or not self.sensor.scatters:
+            return self
+        return make_drive(self.time, self.reading, noise=share * math.sqrt(self.sensor.variance))
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

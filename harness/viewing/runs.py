@@ -108,7 +108,7 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
         EngineFailure: the run is invalid.
         InputError: the model cannot be used.
     """
-    observed = observe(setting.recording, setting.case.sensors, rig_of(model))
+    observed = observe(setting.recording, setting.case.sensors, rig_of(model), model.noise_share)
     prepared = prepared_for(model, observed)
     problem, found = read_model(model, prepared, origin)
     own = own_of(problem, found, prepared, prepared.reading)

@@ -93,6 +93,6 @@ def _blocks(setting: Setting, record: DiagnosisRecord) -> Sequence[Block]:
     kept = record.problem.inputs.hashes
     if any(name not in case.recordings or kept.get(name) != case.recordings[name].sha256 for name in names):
         return ()
-    rig = rig_of(record.model)
-    observed = [observe(case.recordings[name], case.sensors, rig) for name in names]
+    rig, share = rig_of(record.model), record.model.noise_share
+    observed = [observe(case.recordings[name], case.sensors, rig, share) for name in names]
     return blocks_of([PreparedRecording.of(one) for one in observed])

@@ -236,6 +236,7 @@ class Problem:
         settings: of the identification.
         colour: of the reading noise.
         roughness: factor on the density of the beam's third derivative that the angle readings tell [1].
+        noise_share: of the scatter of the angle's readings: what of it is an error, by which they are smoothed [1].
     """
 
     recordings: tuple[PreparedRecording, ...]
@@ -247,6 +248,7 @@ class Problem:
     settings: Settings = DEFAULT
     colour: Colour = WHITE
     roughness: float = 1.0
+    noise_share: float = 1.0
 
     @classmethod
     def of(
@@ -263,6 +265,13 @@ class Problem:
             return self
         recordings = _knowing_rests([one.rougher(factor) for one in self.recordings])
         return replace(self, recordings=recordings, roughness=factor * self.roughness)
+
+    def quieter(self, share: float) -> Problem:
+        """The same recordings with an angle of which only `share` of the scatter is an error (`Drive.quieter`)."""
+        if share == 1.0:
+            return self
+        recordings = _knowing_rests([replace(one, drive=one.drive.quieter(share)) for one in self.recordings])
+        return replace(self, recordings=recordings, noise_share=share * self.noise_share)
 
     @property
     def readings(self) -> int:

@@ -86,8 +86,9 @@ class ModelRecord(RecordPart):
     """The identified model: everything that a prediction needs.
 
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
-    is the factor on the density of the beam's third derivative with which a drive is smoothed [1]; `visited_m` is from
-    where to where positions were recorded, without half a percent of the readings at either end, null if not known.
+    is the factor on the density of the beam's third derivative with which a drive is smoothed [1], `noise_share` what
+    of the scatter of its readings is then an error [1]; `visited_m` is from where to where positions were recorded,
+    without half a percent of the readings at either end, null if not known.
     """
 
     rig: RigRecord
@@ -104,6 +105,7 @@ class ModelRecord(RecordPart):
     reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
+    noise_share: Positive = 1.0
     visited_m: tuple[Finite, Finite] | None = None
 
     @model_validator(mode="after")

@@ -102,6 +102,7 @@ class ProblemRecord(RecordPart):
     reading_variance_m2: Positive
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
+    noise_share: Positive = 1.0
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]

@@ -65,6 +65,7 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
         reading_variance_m2=problem.reading_variance,
         colour=colour_record(problem),
         roughness=problem.roughness,
+        noise_share=problem.noise_share,
         baseline=problem.model.name,
         rig=RigRecord.model_validate(problem.rig),
         declared=declared_record(problem),

@@ -71,4 +71,5 @@ class Account:
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
-        return observe(self.case.recordings[record.name], self.case.sensors, self.diagnosis.problem.rig).ball
+        problem = self.diagnosis.problem
+        return observe(self.case.recordings[record.name], self.case.sensors, problem.rig, problem.noise_share).ball

@@ -20,6 +20,7 @@ def section(account: Account) -> Section:
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
         "colour": _colour(account),
+        "noise_share": _noise_share(account),
         "roughness": _roughness(account),
         "findings": account.record.findings,
         "versions": account.record.inputs.versions,
@@ -34,6 +35,15 @@ def _colour(account: Account) -> str:
     if colour.share == 0.0:
         return ""
     return f"{number(100.0 * colour.share, 2)} % of its variance correlated over {number(1e3 * colour.time, 2)} ms"
+
+
+def _noise_share(account: Account) -> str:
+    """What of the angle's scatter is an error; empty where all of it is, or where its noise is declared."""
+    share = account.diagnosis.problem.noise_share
+    if share == 1.0:
+        return ""
+    told = f"{number(share, 2)} times the scatter of its readings, as the ball's readings tell"
+    return f"{told}; the beam follows the rest, as it does where the angle is a command"
 
 
 def _roughness(account: Account) -> str:

@@ -1,0 +1,102 @@
+"""What of the angle's scatter is an error is told by the ball: on a plant of its own, steps of 0.5 ms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.motion import FloatArray
+from harness.identify.estimate.angle_noise import told_noise_share
+from harness.identify.estimate.fit import fit
+from harness.identify.pose import problem_of
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.recording import load_case
+
+MASS, RADIUS, RATIO, GRAVITY = 0.05, 0.0125, 5.0 / 7.0, 9.81  # a solid ball on a flat rail [kg, m, 1, m/s²]
+ROLLING, LAG, NOISE, RATE, STEP = 0.003, 0.1, 1.5e-3, 25.0, 5e-4  # [1, s, m, Hz, s]
+RIG = f"""[ball]
+mass_kg = {MASS}
+radius_m = {RADIUS}
+inertia_kg_m2 = {0.4 * MASS * RADIUS**2}
+[beam]
+rolling_radius_m = {RADIUS}
+eccentricity_m = 0.0
+level_angle_rad = 0.0
+[environment]
+gravity_m_s2 = {GRAVITY}
+[recordings]
+identify = ["rec_01.csv", "rec_02.csv"]
+"""
+
+
+def controlled(seed: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Stamps [s], command [rad], the beam's angle [rad] and noisy positions [m] of a controlled ball, 25 s.
+
+    The controller knows the noisy position and gives a command at each stamp; the beam follows it with a lag.
+    """
+    rng = np.random.default_rng(seed)
+    every, count = round(1.0 / RATE / STEP), round(25.0 * RATE)
+    levels = rng.uniform(0.1, 0.35, 10)
+    lever = RADIUS / RATIO
+    time, command, angle, position = np.zeros((4, count))
+    s, v, alpha, rate, wanted, before, speed = levels[0], 0.0, 0.0, 0.0, 0.0, levels[0], 0.0
+    for k in range(count * every):
+        if k % every == 0:
+            i, read = k // every, s + rng.normal(0.0, NOISE)
+            speed += 0.35 * ((read - before) * RATE - speed)
+            wanted = float(np.clip(-0.7 * (read - levels[int(k * STEP / 2.5) % 10]) - 0.5 * speed, -0.14, 0.14))
+            time[i], command[i], angle[i], position[i], before = k * STEP, wanted, alpha, read, read
+        angular = (2.0 / LAG) ** 2 * (wanted - alpha) - 2.0 * (2.0 / LAG) * rate  # critically damped
+        pull = GRAVITY * math.sin(alpha) + s * rate**2 - lever * angular
+        held = ROLLING * max(GRAVITY * math.cos(alpha) - 2.0 * v * rate - s * angular, 0.0)
+        if v == 0.0 and abs(pull) <= held:
+            faster = 0.0
+        else:
+            faster = v + RATIO * (pull - math.copysign(held, v or pull)) * STEP
+            faster = 0.0 if v * faster < 0.0 else faster
+        v, s = faster, s + faster * STEP
+        rate += angular * STEP
+        alpha += rate * STEP
+    return time, command, angle, position
+
+
+def write(folder: Path, *, measured: float | None) -> Path:
+    """A case of two recordings, of the command or of the angle measured with noise [rad]; nothing is declared of it."""
+    folder.mkdir()
+    (folder / "rig.toml").write_text(RIG)
+    for number in (1, 2):
+        time, command, angle, position = controlled(number)
+        noise = np.random.default_rng(number).normal(0.0, 1.0, len(time))
+        column = command if measured is None else angle + measured * noise
+        rows = np.column_stack((time, column, position))
+        header = "time_s,beam_angle_rad,ball_position_m"
+        np.savetxt(folder / f"rec_0{number}.csv", rows, "%.7g", ",", header=header, comments="")
+    return folder
+
+
+def test_a_command_is_not_smoothed_as_noise(tmp_path: Path) -> None:
+    """Follow a scattering command, which the beam does, and estimate the friction that acts on the ball."""
+    problem = problem_of(load_case(write(tmp_path / "case", measured=None)))
+    assert problem.noise_share < 1.0
+    found = fit(problem, Hypothesis(("rolling_resistance", "angle_servo")))
+    error = found.deviations()["rolling_resistance", "coefficient"]
+    assert found.values()["rolling_resistance", "coefficient"] == pytest.approx(ROLLING, abs=3.0 * error)
+    assert error < 0.2 * ROLLING
+
+
+def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
+    """Leave an angle as it is estimated that scatters because its sensor is noisy."""
+    problem = problem_of(load_case(write(tmp_path / "case", measured=5e-3)))
+    assert problem.noise_share == 1.0
+
+
+def test_declared_noise_is_believed(tmp_path: Path) -> None:
+    """Ask the ball of no noise that rig.toml declares."""
+    case = load_case(write(tmp_path / "case", measured=None))
+    declared = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=0.01)))
+    assert declared.noise_share == 1.0
+    assert told_noise_share(declared) == 1.0
