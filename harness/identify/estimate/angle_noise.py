@@ -7,7 +7,7 @@ its standard error so, since a ball on a beam of uncertain angle may stop at any
 obeys lowered the deviance by 70 (docs/diagnosis_experiments.md).
 
 Where the beam lags behind the command, the ball tells it by a model that lags, too, and by no other: hence the few
-hypotheses below. They stand for what acts on many rigs, and are not what is searched for.
+hypotheses below, which stand for what acts on many rigs.
 """
 
 from __future__ import annotations
@@ -18,34 +18,32 @@ from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
-_SHARES = (0.3, 0.1, 0.03)  # a scatter of less is none: the readings are then followed as they are
-_BESIDE: tuple[tuple[str, ...], ...] = (
-    (),
-    ("channel_delay",),
-    ("angle_lag",),
-    ("rolling_resistance", "angle_lag"),
-    ("viscous_damping", "angle_lag"),
-)
-_PRICE = 20.0  # by which a share lowers the BIC at least: very strong evidence begins at 10
+_FIRST, _FURTHER = 0.5, (0.3, 0.1, 0.03)  # a scatter of less is none: the readings are then followed as they are
+_BESIDE = (("channel_delay",), ("viscous_damping", "angle_servo"), ("rolling_resistance", "angle_servo"))
 _SAME = 2.0  # differences of the deviance that tell nothing of a share
 
 
 def told_noise_share(problem: Problem) -> float:
     """Share of the angle's scatter that is an error [1]; 1 unless the ball's readings tell that it is less.
 
-    Of shares that fit as well as each other the largest, which leaves the readings the least to say.
+    It has to lower the BIC as much as an effect has. Of shares that fit as well as each other it is the largest, with
+    which the readings of the angle say the least.
     """
     if not any(one.drive.sensor.scatters for one in problem.recordings):
         return 1.0
     coarse = problem.coarse
-    deviances = {share: _lowest_deviance(coarse.quieter(share)) for share in (1.0, *_SHARES)}
+    deviances = {share: _lowest_deviance(coarse.quieter(share)) for share in (1.0, _FIRST)}
+    if deviances[_FIRST] >= deviances[1.0]:
+        return 1.0
+    deviances |= {share: _lowest_deviance(coarse.quieter(share)) for share in _FURTHER}
     lowest = min(deviances.values())
-    share = max(share for share, one in deviances.items() if one < lowest + _SAME)
-    told = deviances[share] < deviances[1.0] - _PRICE - math.log(coarse.readings)
-    return share if told else 1.0
+    price = problem.settings.keep + math.log(coarse.readings)
+    if lowest >= deviances[1.0] - price:
+        return 1.0
+    return max(share for share, one in deviances.items() if one < lowest + _SAME)
 
 
 def _lowest_deviance(problem: Problem) -> float:
     known = {term.effect.name for term in problem.declared}
-    tried = [names for names in _BESIDE if not known.intersection(names)]
-    return min(fit(problem, Hypothesis((*problem.unknown, *names))).deviance for names in tried)
+    tried = [Hypothesis((*problem.unknown, *(name for name in names if name not in known))) for names in _BESIDE]
+    return min(fit(problem, one).deviance for one in tried)
