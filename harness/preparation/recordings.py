@@ -50,7 +50,7 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig, noise_share: float
         recording: checked.
         sensors: what is declared of them.
         rig: complete; a rough one if it is unknown. The ball's motion is smoothed relative to CAM on this rig.
-        noise_share: what of the scatter of the angle, where it is not declared, is an error (`Drive.quieter`) [1].
+        noise_share: what of the scatter of the angle is an error (`Drive.quieter`) [1].
 
     Raises:
         InputError: fewer than three positions are known.

@@ -45,8 +45,8 @@ class AngleSensor:
 
     @property
     def scatters(self) -> bool:
-        """Whether the readings scatter by more than rounding, as far as the record alone tells."""
-        return self.estimated and not self.rounded
+        """Whether the readings scatter by more than rounding, as is declared or as the record alone tells."""
+        return not self.rounded
 
     @property
     def by_counts(self) -> bool:
@@ -107,7 +107,7 @@ class Drive(QuinticMotion):
     def quieter(self, share: float) -> Drive:
         """From the same readings, of which only `share` of the scatter [1] is an error; the rest is motion.
 
-        Readings that are known within their counts, or whose noise is declared, stay as they are.
+        Readings that are known within their counts stay as they are.
         """
         if share == 1.0 or not self.sensor.scatters:
             return self

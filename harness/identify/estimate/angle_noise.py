@@ -1,12 +1,12 @@
-"""What of the scatter of the recorded angle is an error: told by the ball, where rig.toml does not declare the noise.
+"""What of the scatter of the recorded angle acts as an error: told by the ball.
 
 The record of an angle alone tells how it scatters, not why. A sensor's noise moves no ball. A command that a controller
 computes from noisy positions scatters as well, and the beam follows it: smoothed away as noise, it is missing in the
-drive, whose error is then stated several times too large. Dry friction came out at half its size and with a third of
-its standard error so, since a ball on a beam of uncertain angle may stop at any time; and a second law that no ball
-obeys lowered the deviance by 70 (docs/diagnosis_experiments.md).
+drive, whose error is then stated several times too large. And where it is noise indeed, the filter may do with less of
+it: beside an angle of large error it takes a ball that dry friction holds for one that creeps. On both, friction came
+out at 0.6 of its size, and a second law that no ball obeys lowered the deviance by 70 (docs/diagnosis_experiments.md).
 
-Where the beam lags behind the command, the ball tells it by a model that lags, too, and by no other: hence the few
+Where the beam lags behind the angle, the ball tells it by a model that lags, too, and by no other: hence the few
 hypotheses below, which stand for what acts on many rigs.
 """
 

@@ -38,7 +38,7 @@ def _colour(account: Account) -> str:
 
 
 def _noise_share(account: Account) -> str:
-    """What of the angle's scatter is an error; empty where all of it is, or where its noise is declared."""
+    """What of the angle's scatter is an error; empty where all of it is."""
     share = account.diagnosis.problem.noise_share
     if share == 1.0:
         return ""

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.angle_noise import told_noise_share
 from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
@@ -94,9 +93,10 @@ def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
     assert problem.noise_share == 1.0
 
 
-def test_declared_noise_is_believed(tmp_path: Path) -> None:
-    """Ask the ball of no noise that rig.toml declares."""
+def test_declared_noise_is_asked_for_too(tmp_path: Path) -> None:
+    """Follow a command whose scatter rig.toml declares to be noise, and an encoder's counts as they are."""
     case = load_case(write(tmp_path / "case", measured=None))
-    declared = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=0.01)))
-    assert declared.noise_share == 1.0
-    assert told_noise_share(declared) == 1.0
+    noisy = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=0.01)))
+    assert noisy.noise_share < 1.0
+    counts = problem_of(replace(case, sensors=replace(case.sensors, angle_resolution=0.004, angle_noise=0.0)))
+    assert counts.noise_share == 1.0

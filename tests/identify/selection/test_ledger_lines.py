@@ -95,6 +95,7 @@ def problem() -> Problem:
             reading_variance=4e-6,
             colour=WHITE,
             roughness=1.0,
+            noise_share=1.0,
             model=CAM,
             rig=Rig(),
             declared=(acting("viscous_damping", {"coefficient": 0.01}),),
