@@ -105,13 +105,14 @@ class Drive(QuinticMotion):
         return _drive(self.reading, sensor, smoothed, variance)
 
     def quieter(self, share: float) -> Drive:
-        """From the same readings, of which only `share` of the scatter [1] is an error; the rest is motion.
+        """From the same readings, of whose noise only `share` [1] is an error; the rest is motion.
 
         Readings that are known within their counts stay as they are.
         """
         if share == 1.0 or not self.sensor.scatters:
             return self
-        return make_drive(self.time, self.reading, noise=share * math.sqrt(self.sensor.variance))
+        resolution = self.sensor.resolution or None
+        return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 from analytic.motion import FloatArray
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import NOTHING
-from harness.identify.problem.problem import Colour, PreparedRecording, Problem
+from harness.identify.problem.problem import Colour, Problem
 
 LONGEST = 0.1  # correlation time [s]: what lasts longer cannot be told from what moves the ball
 _READINGS = 1500  # from which the colour is estimated: its two numbers need no more
@@ -33,7 +33,7 @@ def with_noise_colour(problem: Problem) -> Problem:
     The model is the baseline with process noise of any density, which stands for all that it may lack: a random
     acceleration shows in the position as its second integral, slowly; coloured noise within its correlation time.
     """
-    part = _part(problem)
+    part = problem.beginning(_READINGS)
     white = min(deviance(part, NOTHING, density) for density in _DENSITIES)
     interval = float(np.median(np.concatenate([np.diff(one.time) for one in part.recordings])))
     tried = [
@@ -75,17 +75,3 @@ def _coloured(problem: Problem, x: FloatArray) -> Problem:
     """With the variance and colour of the parameters of `_start`."""
     share = 1.0 / (1.0 + math.exp(-min(x[1], _MOST_ODDS)))
     return replace(problem, reading_variance=math.exp(x[0]), colour=Colour(share, min(math.exp(x[2]), LONGEST)))
-
-
-def _part(problem: Problem) -> Problem:
-    """The first readings of each recording, evenly, few enough."""
-    count = max(_READINGS // len(problem.recordings), 50)
-    return replace(problem, recordings=tuple(_begin(one, count) for one in problem.recordings))
-
-
-def _begin(recording: PreparedRecording, count: int) -> PreparedRecording:
-    known = np.flatnonzero(np.isfinite(recording.reading))[:count]
-    stop = int(known[-1]) + 1
-    return PreparedRecording(
-        recording.name, recording.time[:stop], recording.reading[:stop], recording.drive, recording.longest_step
-    )

@@ -37,6 +37,7 @@ _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamp
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
 _CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
 _QUICK_LENGTH = 60.0  # of the recordings of a quick search [s]: effects far above the noise show in a minute
+_FEWEST_OF_EACH = 50  # readings of the beginning of a recording
 _ROUNDING = 1e-6  # of a cell: stamps are not exact multiples of the sampling interval
 _TABLES = 8  # of a recording that are kept: of a fit and of its differences by two parameters, in two threads
 _LONGEST_STEP = 1e-2  # [s]: error 2e-6 m in 10 s even where the ball reverses, a hundredth of any sensor's noise
@@ -149,6 +150,11 @@ class PreparedRecording:
         _, first = np.unique(np.floor(self.time[known] / _CELL + _ROUNDING), return_index=True)
         kept = known[first]
         return PreparedRecording(self.name, self.time[kept], self.reading[kept], self.drive, _CELL)
+
+    def beginning(self, count: int) -> PreparedRecording:
+        """Its first `count` known readings."""
+        stop = int(np.flatnonzero(np.isfinite(self.reading))[:count][-1]) + 1
+        return PreparedRecording(self.name, self.time[:stop], self.reading[:stop], self.drive, self.longest_step)
 
     @cached_property
     def error(self) -> ErrorProcess:
@@ -290,6 +296,11 @@ class Problem:
         mean = float(np.mean([one.time[-1] - one.time[0] for one in recordings]))
         chosen = evenly_chosen(recordings, max(int(_QUICK_LENGTH / mean), 2))
         return replace(self, recordings=tuple(one.coarse for one in chosen))
+
+    def beginning(self, readings: int) -> Problem:
+        """The same with the first known readings of each recording, about so many in all, at least 50 of each."""
+        count = max(readings // len(self.recordings), _FEWEST_OF_EACH)
+        return replace(self, recordings=tuple(one.beginning(count) for one in self.recordings))
 
     @cached_property
     def visited(self) -> FloatArray:
