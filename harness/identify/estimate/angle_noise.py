@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from analytic.effects import ANGLE_SERVO, ROLLING_RESISTANCE, VISCOUS_DAMPING
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -21,7 +22,8 @@ _FIRST, _FURTHER = 0.5, (0.3, 0.1, 0.03)  # a scatter of less is none: the readi
 _READINGS = 2000  # that are asked, as they were taken: between coarse ones, α̈ is not what presses the ball
 _SAME = 2.0  # differences of the deviance that tell nothing of a share
 # Where the beam lags behind the angle, the ball tells the share by a model that lags, too, and by no other.
-_DRY, _FREE = ("rolling_resistance", "angle_servo"), ("viscous_damping", "angle_servo")
+_DRY = (ROLLING_RESISTANCE.name, ANGLE_SERVO.name)
+_FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
 
 
 def told_noise_share(problem: Problem) -> float:
@@ -31,7 +33,7 @@ def told_noise_share(problem: Problem) -> float:
     other it is the largest, with which the readings of the angle say the least.
     """
     known = {term.effect.name for term in problem.declared}
-    if _DRY[0] in known or not any(one.drive.sensor.scatters for one in problem.recordings):
+    if ROLLING_RESISTANCE.name in known or not any(one.drive.sensor.scatters for one in problem.recordings):
         return 1.0
     part = problem.beginning(_READINGS)
     price = problem.settings.keep + math.log(part.readings)
