@@ -46,8 +46,8 @@ A trial is a case with two recordings of 16 s at 100 Hz in closed loop with rand
   `paper_protocol` (that it has to take away a share of the process noise, the one of `explained_least`, was looked at
   in 120 of these trials, and changed by none); the shares of the angle's noise on a plant of its own, but that a dry
   friction has to act was asked after 7 of these trials with a commanded angle
-  ([experiments](diagnosis_experiments.md#the-noise-of-an-angle)); the others have the reasons in [settings](settings.md).
-  On imperfect records, of other seeds, only the blocks of correlated scores were chosen
+  ([experiments](diagnosis_experiments.md#the-noise-of-an-angle)); the others have the reasons in
+  [settings](settings.md). On imperfect records, of other seeds, only the blocks of correlated scores were chosen
   ([experiments](diagnosis_experiments.md#correlated-innovations)). The sizes of the imperfections were measured on
   five real rigs ([virtual rig](virtual_rig.md)).
 
