@@ -25,7 +25,6 @@ from harness.identify.estimate.forecast import forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.verdict import identify
-from harness.preparation.recordings import observe
 from harness.recording import load_case
 from harness.simulator import write_case
 from harness.simulator.case_folder import KNOWN_UNTIL
@@ -69,13 +68,13 @@ def measured(trial: Trial) -> Row:
     with tempfile.TemporaryDirectory(prefix="bands-") as folder:
         write_case(Path(folder) / "case", experiment, recordings)
         case = load_case(Path(folder) / "case")
-    problem = problem_of(case)
-    said = identify(problem)
+    said = identify(problem_of(case))
     (name,) = case.predict
     recording, truth = case.recordings[name], recordings[-1].noiseless
     after = recording.time - recording.time[0] - KNOWN_UNTIL
     known = replace(recording, position=np.where(after <= 0.0, recording.position, np.nan))
-    prepared = PreparedRecording.of(observe(known, case.sensors, problem.rig, problem.noise_share))
+    problem = said.problem  # with the roughness of the beam that the search found
+    prepared = PreparedRecording.of(problem.observed(known, case.sensors)).rougher(problem.roughness)
     predicted = forecast(problem, said.found, prepared, prepared.reading)
     table = predicted.table()
     inside = (truth >= table["low_m"]) & (truth <= table["high_m"])

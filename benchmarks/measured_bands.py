@@ -29,7 +29,6 @@ from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.verdict import identify
-from harness.preparation.recordings import observe
 from harness.recording import Case, load_case
 
 THIRDS = 3
@@ -88,8 +87,8 @@ def parted(case: Case, scratch: Path) -> Iterator[tuple[str, Problem, list[tuple
 def windows(case: Case, problem: Problem, found: Fit, rest: Sequence[tuple[str, float, float]]) -> Iterator[Window]:
     """Predictions of what was left out."""
     for name, since, until in rest:
-        observed = observe(case.recordings[name], case.sensors, problem.rig, problem.noise_share)
-        prepared = PreparedRecording.of(observed)
+        observed = problem.observed(case.recordings[name], case.sensors)
+        prepared = PreparedRecording.of(observed).rougher(problem.roughness)
         time, reading = prepared.time, prepared.reading
         for begin in np.arange(max(since, time[0]), min(until, time[-1]) - KNOWN - AHEAD, AHEAD):
             known = (time >= begin) & (time <= begin + KNOWN)
@@ -128,7 +127,7 @@ def main(folder: Path, names: tuple[str, ...], file: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="bands-") as scratch:
             for part, problem, rest in parted(case, Path(scratch)):
                 said = identify(problem)
-                made = list(windows(case, problem, said.found, rest))
+                made = list(windows(case, said.problem, said.found, rest))
                 title = " + ".join(f"`{one}`" for one in said.found.hypothesis.names) or "nothing"
                 lines.append(line(case.name, part, title, made))
                 click.echo(lines[-1], err=True)

@@ -12,12 +12,10 @@ from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.estimate.block_errors import group_fits
 from harness.identify.filter.run import Excerpt, run_parts
-from harness.identify.model_file import read_model, rig_of
-from harness.identify.problem.problem import PreparedRecording
+from harness.identify.model_file import observed_for, prepared_for, read_model
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import BaselinesRecord
 from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
-from harness.preparation.recordings import observe
 from harness.report.diagnosis.account import FOUND
 from harness.report.palette import MEASURED_COLOUR
 
@@ -56,7 +54,7 @@ def draw_windows(case: Case, diagnosis: LoadedDiagnosis, path: Path) -> Path:
     """
     model = diagnosis.record.model
     recording = case.recordings[case.identify[0]]
-    record = PreparedRecording.of(observe(recording, diagnosis.sensors, rig_of(model), model.noise_share))
+    record = prepared_for(model, observed_for(model, recording, diagnosis.sensors))
     problem, found = read_model(model, record, str(diagnosis.origin))
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     axes = figure.add_subplot()

@@ -208,12 +208,9 @@ def diagnose(
             from harness.identify.diagnosis import diagnose as find
             from harness.identify.pose import problem_of
             from harness.identify.problem.problem import PreparedRecording
-            from harness.preparation.recordings import observe
 
             problem = problem_of(case)
-            records = [
-                PreparedRecording.of(observe(one, case.sensors, problem.rig, problem.noise_share)) for one in further
-            ]
+            records = [PreparedRecording.of(problem.observed(one, case.sensors)) for one in further]
             if case.scene is not None:
                 try_scene(case.scene, problem.rig)
             found = find(

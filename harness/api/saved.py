@@ -156,11 +156,10 @@ class LoadedDiagnosis(Summarised):
     def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
         """The columns of a prediction; the effects are beside the catalogue."""
         from harness.identify.estimate.forecast import forecast
-        from harness.identify.model_file import prepared_for, read_model, rig_of
-        from harness.preparation.recordings import observe
+        from harness.identify.model_file import observed_for, prepared_for, read_model
 
         model = self.record.model
-        record = prepared_for(model, observe(read, sensors, rig_of(model), model.noise_share))
+        record = prepared_for(model, observed_for(model, read, sensors))
         problem, found = read_model(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 

@@ -124,13 +124,15 @@ def differences(combinations: Combinations, *, once: bool = False) -> list[Diffe
     none = Reading.NONE
     cum = combinations["R", False, False, none].position
     cam = combinations["r", True, False, none].position
-    terms = [
-        _difference("radius R → r in the inertia (CUM otherwise)", cum, combinations["r", False, False, none].position),
-        _difference("α̈ term (CUM otherwise)", cum, combinations["R", True, False, none].position),
-        _difference("both: CUM → CAM", cum, cam),
-    ]
     if once:
         terms = [_difference("α̈ term: CUM → CAM", cum, cam)]
+    else:
+        radius, pivot = combinations["r", False, False, none].position, combinations["R", True, False, none].position
+        terms = [
+            _difference("radius R → r in the inertia (CUM otherwise)", cum, radius),
+            _difference("α̈ term (CUM otherwise)", cum, pivot),
+            _difference("both: CUM → CAM", cum, cam),
+        ]
     return [
         *terms,
         _difference("α₀ 0 → fitted (CUM)", cum, combinations["R", False, True, none].position),

@@ -18,8 +18,8 @@ from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.record import AT_BOUND, ModelRecord, RigRecord, SensorsRecord, covariance_fault, unusable
 from harness.identify.selection.ledger_record import colour_record, declared_record
 from harness.identify.selection.spline_terms import visited
-from harness.preparation.recordings import Observed
-from harness.recording import Sensors
+from harness.preparation.recordings import Observed, observe
+from harness.recording import Recording, Sensors
 
 
 def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
@@ -62,8 +62,17 @@ def rig_of(kept: ModelRecord) -> Rig:
     return Rig(**kept.rig.model_dump())
 
 
+def observed_for(kept: ModelRecord, recording: Recording, sensors: Sensors) -> Observed:
+    """A recording, prepared for the rig and with the noise of the angle that the model was identified with.
+
+    Raises:
+        InputError: as of `observe`.
+    """
+    return observe(recording, sensors, rig_of(kept), kept.noise_share)
+
+
 def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:
-    """A recording as the model takes it: with the roughness of the beam's motion that it was identified with."""
+    """A recording from `observed_for`, with the roughness of the beam's motion that the model was identified with."""
     return PreparedRecording.of(observed).rougher(kept.roughness)
 
 

@@ -44,11 +44,6 @@ class AngleSensor:
         return self.noise < _DITHERED * self.resolution
 
     @property
-    def scatters(self) -> bool:
-        """Whether the readings scatter by more than rounding, as is declared or as the record alone tells."""
-        return not self.rounded
-
-    @property
     def by_counts(self) -> bool:
         """Whether readings are smoothed as counts, whose noise is estimated where it is not declared."""
         return self.estimated or self.rounded
@@ -109,7 +104,7 @@ class Drive(QuinticMotion):
 
         Readings that are known within their counts stay as they are.
         """
-        if share == 1.0 or not self.sensor.scatters:
+        if share == 1.0 or self.sensor.rounded:
             return self
         resolution = self.sensor.resolution or None
         return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)

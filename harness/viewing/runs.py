@@ -18,11 +18,10 @@ from harness.engines.protocol import Engine, EngineRun
 from harness.errors import EngineFailure
 from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
-from harness.identify.model_file import prepared_for, read_model, rig_of
+from harness.identify.model_file import observed_for, prepared_for, read_model
 from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
 from harness.identify.validation.engine_errors import InjectedLaw, law_of
-from harness.preparation.recordings import observe
 from harness.signals.ball_state import BallEstimate
 from harness.signals.drive import Drive
 
@@ -108,7 +107,7 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
         EngineFailure: the run is invalid.
         InputError: the model cannot be used.
     """
-    observed = observe(setting.recording, setting.case.sensors, rig_of(model), model.noise_share)
+    observed = observed_for(model, setting.recording, setting.case.sensors)
     prepared = prepared_for(model, observed)
     problem, found = read_model(model, prepared, origin)
     own = own_of(problem, found, prepared, prepared.reading)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from harness.comparison.setting import Setting
-from harness.identify.model_file import rig_of
+from harness.identify.model_file import observed_for
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import KNOWN, Block, blocks_of
 from harness.identify.record import DiagnosisRecord
-from harness.preparation.recordings import observe
 from harness.viewing.playback import Playback
 
 Level = Literal["INFO", "WARN", "ERROR"]
@@ -93,6 +92,5 @@ def _blocks(setting: Setting, record: DiagnosisRecord) -> Sequence[Block]:
     kept = record.problem.inputs.hashes
     if any(name not in case.recordings or kept.get(name) != case.recordings[name].sha256 for name in names):
         return ()
-    rig, share = rig_of(record.model), record.model.noise_share
-    observed = [observe(case.recordings[name], case.sensors, rig, share) for name in names]
+    observed = [observed_for(record.model, case.recordings[name], case.sensors) for name in names]
     return blocks_of([PreparedRecording.of(one) for one in observed])

@@ -216,6 +216,19 @@ def test_misdeclared_noise_shows(share):
     assert make_drive(TIME, reading, noise=share * 2e-3).residual_ratio < 0.75
 
 
+def test_less_noise_is_more_motion():
+    """Follow readings more closely the less of their noise is an error; leave those of mere rounding as they are."""
+    ((noisy, _, reading, step),) = drives(40000, 3.0, range(1))
+    followed = [rms(noisy.quieter(share).states[:, 0] - reading) for share in (1.0, 0.5, 0.1)]
+    assert followed[0] > followed[1] > followed[2]
+    # Of the noise nothing else is left than a tenth, and the rounding by up to half a count on either side.
+    assert followed[2] < 0.1 * noisy.sensor.noise + 0.5 * step
+    assert noisy.quieter(0.1).sensor.noise == pytest.approx(0.1 * noisy.sensor.noise)
+    assert noisy.quieter(0.1).sensor.resolution == step
+    ((rounded, *_),) = drives(4096, 0.0, range(1))
+    assert rounded.quieter(0.1) is rounded
+
+
 @pytest.mark.parametrize("rate", [0.0, 0.1])
 def test_exact_reading_without_noise(rate):
     """Read a continuous angle that shows no noise at all, resting or on a ramp, as it stands."""

@@ -33,7 +33,7 @@ def told_noise_share(problem: Problem) -> float:
     other it is the largest, with which the readings of the angle say the least.
     """
     known = {term.effect.name for term in problem.declared}
-    if ROLLING_RESISTANCE.name in known or not any(one.drive.sensor.scatters for one in problem.recordings):
+    if ROLLING_RESISTANCE.name in known or all(one.drive.sensor.rounded for one in problem.recordings):
         return 1.0
     part = problem.beginning(_READINGS)
     price = problem.settings.keep + math.log(part.readings)

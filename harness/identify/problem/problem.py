@@ -26,7 +26,8 @@ from analytic.motion import DelayedMotion, FloatArray, ScaledMotion
 from analytic.rig import Rig
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.numerics import evenly_chosen
-from harness.preparation.recordings import Observed
+from harness.preparation.recordings import Observed, observe
+from harness.recording import Recording, Sensors
 from harness.signals.drive import Drive
 from harness.signals.error_process import ErrorProcess
 from harness.signals.follower_error import behind_follower
@@ -271,6 +272,14 @@ class Problem:
             return self
         recordings = _knowing_rests([one.rougher(factor) for one in self.recordings])
         return replace(self, recordings=recordings, roughness=factor * self.roughness)
+
+    def observed(self, recording: Recording, sensors: Sensors) -> Observed:
+        """Another recording, as those of this problem are prepared.
+
+        Raises:
+            InputError: as of `observe`.
+        """
+        return observe(recording, sensors, self.rig, self.noise_share)
 
     def quieter(self, share: float) -> Problem:
         """The same recordings with an angle of which only `share` of the scatter is an error (`Drive.quieter`)."""

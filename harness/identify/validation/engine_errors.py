@@ -112,7 +112,7 @@ def engines_running(
         for split in (main, *held):
             for fit, recording in itertools.product((split.base, split.found), split.compared):
                 runs[_key(engine, fit, recording)] = partial(
-                    _squares, split.problem, fit, recording, engine, settings.get(engine.name, {})
+                    _run_of, split.problem, fit, recording, engine, settings.get(engine.name, {})
                 )
     title = f"{' and '.join(engines)} on {', '.join(ran)}"
 
@@ -195,10 +195,10 @@ def _errors(runs: Sequence[Ran | Failed]) -> dict[str, Any]:
     return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
 
 
-def _squares(
+def _run_of(
     problem: Problem, found: Fit, recording: PreparedRecording, engine: Engine, settings: Mapping[str, Any]
 ) -> Ran | Failed:
-    """Squared errors [m²] of every window by horizon, or how the engine failed."""
+    """What an engine makes of every window of a recording, or how it failed."""
     name = f"{engine.name} on {recording.name}"
 
     def ran() -> Ran:

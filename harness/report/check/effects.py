@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from harness.formatting import fixed, number
 from harness.identify.design.detection import ALIKE, Detection, Limit
 from harness.report.check.content import Content, Subject
-from harness.report.check.limits import picture_of
+from harness.report.check.limits import inverse_text, picture_of
 from harness.report.check.wording import AS_RECORDED, EXPLAINED, limit_text
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table, texts
 
+_LARGEST = "its limit is the largest value that shows, and twice the size is half the value"
 SEARCHED = (
     "Of effects with a place or a shape, a bump of the track most of all, the strength alone is counted, at a typical "
     "shape in the middle of the track: the search has to find these, too, so that such limits are lower bounds."
@@ -27,8 +27,9 @@ def section(subject: Subject) -> Section | None:
     text = (
         "The size at which an effect is expected to lower the BIC by what `harness diagnose` asks for: in simulated "
         "trials it was found in a third of the cases at this size, and nearly always at twice the size. Sizes are "
-        f"distances from the value at which the effect does nothing. {_inverse(found.limits)}The second number holds "
-        "once all that the declared model lacks is explained: effects that act hide others until they are found."
+        f"distances from the value at which the effect does nothing. {inverse_text(found.limits, _LARGEST)}"
+        "The second number holds once all that the declared model lacks is explained: effects that act hide others "
+        "until they are found."
     )
     alike = alike_table(found.limits)
     notes = [SEARCHED]
@@ -39,16 +40,6 @@ def section(subject: Subject) -> Section | None:
     made = picture_of(found.limits)
     content = Content(texts=(text,), pictures=() if made is None else (made,), tables=tables, notes=tuple(notes))
     return content.section("effects", "What these recordings can show", "Effects")
-
-
-def _inverse(limits: Sequence[Limit]) -> str:
-    """What the limit of effects is that grow as their parameter falls; empty without any."""
-    return "".join(
-        f"The effect `{one.effect}` grows as its `{one.parameter}` falls: its limit is the largest value that shows, "
-        "and twice the size is half the value. "
-        for one in limits
-        if one.inverse
-    )
 
 
 def hidden_text(found: Detection) -> str:

@@ -23,6 +23,9 @@ _ABSCISSA = "detection limit in typical sizes of the effect"
 _TALL = 32  # of a row on screen [px]: of all effects a screen holds the whole
 
 
+_SMALLER = "to the right of the line it shows only if that is as many times smaller than the typical one"
+
+
 @dataclass(frozen=True)
 class _Point:
     """A limit that some size reaches.
@@ -49,19 +52,15 @@ def picture_of(limits: Sequence[Limit]) -> Picture | None:
             f"Detection limits of {len(limits)} effects in their typical sizes, the lowest on top.",
             "Detection limits in typical sizes of their effects, on a logarithmic axis: to the left of the line at 1 "
             "an effect shows at its typical size, to the right of it only at as many times its typical size. "
-            f"{_inverse(rows)}The table below has the same limits with their units.",
+            f"{inverse_text(rows, _SMALLER)}The table below has the same limits with their units.",
             _chart(rows),
         )
 
 
-def _inverse(rows: Sequence[Limit]) -> str:
-    """How to read the picture for effects that grow as their parameter falls; empty without any."""
-    return "".join(
-        f"The {_plain(one)} grows as its `{one.parameter}` falls: to the right of the line it shows only if that is as "
-        "many times smaller than the typical one. "
-        for one in rows
-        if one.inverse
-    )
+def inverse_text(limits: Sequence[Limit], consequence: str) -> str:
+    """What follows for each effect that grows as its parameter falls, in a sentence each; empty without any."""
+    told = [one for one in limits if one.inverse]
+    return "".join(f"The {_plain(one)} grows as its `{one.parameter}` falls: {consequence}. " for one in told)
 
 
 @style()

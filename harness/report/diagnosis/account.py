@@ -9,7 +9,6 @@ from harness.identify.diagnosis import Diagnosis
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.record import DiagnosisRecord
 from harness.identify.validation.residual_acceleration import ResidualAcceleration, residual_acceleration
-from harness.preparation.recordings import observe
 from harness.recording import Case
 from harness.report.palette import Look
 from harness.signals.ball_state import BallEstimate
@@ -71,5 +70,4 @@ class Account:
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
         """The smoothed state of the ball in one recording."""
-        problem = self.diagnosis.problem
-        return observe(self.case.recordings[record.name], self.case.sensors, problem.rig, problem.noise_share).ball
+        return self.diagnosis.problem.observed(self.case.recordings[record.name], self.case.sensors).ball
