@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from benchmarks.measured.page import LABELS, Rig, millimetres, table
 from harness.formatting import NONE, number
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, FORECASTS
 from harness.identify.validation.baselines import BLACK_BOXES
 
 SIMPLE = tuple(name for name in BASELINES if name not in BLACK_BOXES)
@@ -21,7 +21,8 @@ _LEGEND = (
     "fitted to the same windows ([diagnosis](diagnosis.md#diagnosisjson)). The least error of a rig is bold. Simple "
     "baselines: ball at rest, ball at constant velocity, double integrator. The output-error models are black boxes "
     "fitted to the forecast: in closed loop they may read the controller backwards. Below 1, the model with the "
-    "effects found predicts better."
+    "effects found predicts better; its parameters are fitted to forecasts where these surely predict better "
+    "([predictions](diagnosis.md#parameters-for-predictions))."
 )
 _FREE = (
     "Only open_ball_beam comes with this program (MIT licence, Copyright (c) 2021 Benjamin Gravell, notice in "
@@ -42,7 +43,7 @@ def index(rigs: Sequence[Rig], folder: str) -> str:
     Args:
         folder: of the pages on the rigs, beside this one.
     """
-    sources = (BEFORE, AFTER, *BASELINES)
+    sources = (BEFORE, AFTER, FORECASTS, *BASELINES)
     rows = [
         (
             f"[{rig.case.name}]({folder}/{rig.case.name}.md)",
@@ -71,7 +72,8 @@ def index(rigs: Sequence[Rig], folder: str) -> str:
 
 def _marked(rig: Rig, source: str) -> str:
     text = millimetres(rig.error(source))
-    return f"**{text}**" if rig.compared is not None and source == rig.best((BEFORE, AFTER, *BASELINES)) else text
+    compared = rig.compared
+    return f"**{text}**" if compared is not None and source == rig.best(compared.rms_m) else text
 
 
 def _ratio(value: float) -> str:

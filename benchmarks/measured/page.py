@@ -14,7 +14,7 @@ from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
 from harness.formatting import NONE, brief, listed, measured, number
 from harness.identify.record import BaselinesRecord, EffectRecord
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, FORECASTS
 from harness.recording.case import RIG_FILE
 from harness.recording.known_rig import UNITS
 from harness.report.diagnosis.baselines import short_title
@@ -23,6 +23,7 @@ from harness.report.wording import words
 LABELS = {name: short_title(name) for name in BASELINES} | {
     BEFORE: "model with what is known",
     AFTER: "model with the effects found",
+    FORECASTS: "the same, parameters fitted to forecasts",
 }
 _TOO_SHORT = "The recordings are too short to hold blocks out."
 
@@ -50,13 +51,18 @@ class Rig:
         value = None if self.compared is None else self.compared.rms_m.get(source)
         return math.nan if value is None else value
 
+    @property
+    def predicting(self) -> str:
+        """The source with which predictions are made."""
+        return AFTER if self.compared is None else self.compared.predicting
+
     def best(self, among: Iterable[str]) -> str:
         """The source of least held-out error."""
         return min(among, key=self.error)
 
     def ratio(self, among: Iterable[str]) -> float:
-        """Held-out error of the model with the effects found over that of the best of other sources [1]."""
-        return self.error(AFTER) / self.error(self.best(among))
+        """Held-out error of the model that predicts over that of the best of other sources [1]."""
+        return self.error(self.predicting) / self.error(self.best(among))
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> str:
@@ -155,7 +161,7 @@ def _errors(rig: Rig) -> list[str]:
     if compared is None:
         return [_TOO_SHORT]
     rows = []
-    for source in (BEFORE, AFTER, *BASELINES):
+    for source in (one for one in (BEFORE, AFTER, FORECASTS, *BASELINES) if one in compared.errors_m):
         median = float(np.median([math.nan if error is None else error for error in compared.errors_m[source]]))
         margin = compared.better_by_m.get(source)
         gain = NONE if margin is None else f"{millimetres(margin.low)} … {millimetres(margin.high)}"
@@ -170,7 +176,14 @@ def _errors(rig: Rig) -> list[str]:
         "of which has a predicted reading. The output-error models are black boxes fitted to the forecast: in closed "
         "loop they may read the controller backwards."
     )
-    return [table(heads, rows), said, _OTHER]
+    fitted = []
+    if FORECASTS in compared.errors_m:
+        used = "use them" if compared.predicting == FORECASTS else "do not, as it is not sure that they predict better"
+        fitted = [
+            "Parameters fitted to forecasts are those of the effects found with which the filter predicts the windows "
+            f"best. They are for predictions alone; the predictions of this rig {used}."
+        ]
+    return [table(heads, rows), said, *fitted, _OTHER]
 
 
 def _remains(rig: Rig) -> list[str]:
@@ -178,7 +191,7 @@ def _remains(rig: Rig) -> list[str]:
     noise = math.sqrt(record.problem.reading_variance_m2)
     points = []
     if rig.compared is not None:
-        left = rig.error(AFTER)
+        left = rig.error(rig.predicting)
         points.append(
             f"The error of {millimetres(left)} mm over {brief(rig.compared.ahead_s)} s is {number(left / noise, 2)} "
             f"times the deviation of a reading, {millimetres(noise)} mm: that much is not explained."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,12 @@ from benchmarks.measured.page import LABELS
 from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.estimate.block_errors import group_fits
+from harness.identify.estimate.fit import Estimator
 from harness.identify.filter.run import Excerpt, run_parts
 from harness.identify.model_file import observed_for, prepared_for, read_model
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import BaselinesRecord
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, FORECASTS
 from harness.report.diagnosis.account import FOUND
 from harness.report.palette import MEASURED_COLOUR
 
@@ -26,13 +28,13 @@ _OTHER = "#5b6570"
 
 def draw_errors(compared: BaselinesRecord, path: Path) -> Path:
     """Errors of all blocks by source, one point a block, and their RMS; returns `path`."""
-    sources = (AFTER, BEFORE, *BASELINES)
+    sources = [one for one in (AFTER, FORECASTS, BEFORE, *BASELINES) if one in compared.errors_m]
     figure = Figure(figsize=(8.0, 0.6 + 0.42 * len(sources)), layout="constrained")
     axes = figure.add_subplot()
     for row, source in enumerate(sources):
         errors = 1e3 * np.array([np.nan if error is None else error for error in compared.errors_m[source]])
         rms = compared.rms_m[source]
-        colour = FOUND.colour if source == AFTER else _OTHER
+        colour = FOUND.colour if source == compared.predicting else _OTHER
         spread = 0.5 * (np.arange(len(errors)) / max(len(errors) - 1, 1) - 0.5)  # blocks in order, from top to bottom
         axes.plot(errors, row + spread, "o", color=colour, markersize=3.5, alpha=0.6, markeredgewidth=0.0)
         if rms is not None:
@@ -56,6 +58,8 @@ def draw_windows(case: Case, diagnosis: LoadedDiagnosis, path: Path) -> Path:
     recording = case.recordings[case.identify[0]]
     record = prepared_for(model, observed_for(model, recording, diagnosis.sensors))
     problem, found = read_model(model, record, str(diagnosis.origin))
+    if model.forecast is not None:
+        found = replace(found, estimator=Estimator.FORECASTS)
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     axes = figure.add_subplot()
     origin = record.time[0]

@@ -81,7 +81,7 @@ def diagnosis_record(
         fits=ledger.fits,
         found=ledger.found,
         problem=ledger.problem,
-        model=model_record(found.problem, found.found, case.sensors),
+        model=model_record(found.problem, found.found, case.sensors, found.forecasting),
         inputs=InputsRecord(
             hashes=inputs.hashes, versions=inputs.versions, also={one.name: one.sha256 for one in further}, seed=0
         ),
@@ -143,6 +143,7 @@ def _baselines(compared: BaselineComparison) -> BaselinesRecord:
         rms_m={source: compared.rms(source) for source in compared.errors},
         errors_m={source: tuple(errors.tolist()) for source, errors in compared.errors.items()},
         blocks_won={name: compared.won(name) for name in BASELINES},
+        predicting=compared.predicting,
         better_by_m={name: one and MarginRecord.model_validate(one) for name, one in margins.items()},
     )
 

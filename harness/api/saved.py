@@ -156,11 +156,11 @@ class LoadedDiagnosis(Summarised):
     def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
         """The columns of a prediction; the effects are beside the catalogue."""
         from harness.identify.estimate.forecast import forecast
-        from harness.identify.model_file import observed_for, prepared_for, read_model
+        from harness.identify.model_file import observed_for, prepared_for, read_forecasting
 
         model = self.record.model
         record = prepared_for(model, observed_for(model, read, sensors))
-        problem, found = read_model(model, record, str(self.origin))
+        problem, found = read_forecasting(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 
     def plot(self) -> Figure:

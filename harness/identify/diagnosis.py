@@ -11,11 +11,13 @@ from typing import Any, TypeVar
 from harness.failures import Failed, Failures, Part, attempt
 from harness.identify.design.choose import choose_to_detect, choose_to_discriminate, pairs_of
 from harness.identify.design.proposal import Proposal
+from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.selection.candidates import hidden_by
 from harness.identify.selection.criterion import Criterion
-from harness.identify.validation.baseline_comparison import BaselineComparison, compare_with_baselines
+from harness.identify.validation.baseline_comparison import FORECASTS, BaselineComparison, compare_with_baselines
 from harness.identify.validation.engine_errors import NO_SETTINGS, EngineSettings, engine_errors, engines_running
+from harness.identify.validation.forecast_parameters import fitted_to_forecasts
 from harness.identify.validation.held_out import (
     UNKNOWN,
     BeforeAfter,
@@ -56,6 +58,7 @@ class Diagnosis(Identification):
         also: the same on further recordings, by name.
         next_experiment: the proposed experiment; `None` if no motion of the library would add to the result.
         baselines: comparison with the baselines; `None` if the recordings are too short.
+        forecasting: fit to forecasts, whose parameters predictions use; `None` if they use those found.
         hidden: effects that cannot be separated from unknown rig quantities.
         failures: parts that failed, without which the diagnosis was made.
     """
@@ -66,6 +69,7 @@ class Diagnosis(Identification):
     also: Mapping[str, Another] = field(default_factory=dict)
     next_experiment: Proposal | None = None
     baselines: BaselineComparison | None = None
+    forecasting: Fit | None = None
     hidden: tuple[str, ...] = ()
     failures: tuple[Failed, ...] = ()
 
@@ -148,6 +152,20 @@ def validate(
         else nullcontext(dict)
     )
     with run as errors_of_engines:
+        forecasting = attempt(
+            failures,
+            Part.BASELINES,
+            "fit to forecasts",
+            lambda: fitted_to_forecasts(problem, found, validating),
+            None,
+        )
+        baselines = attempt(
+            failures,
+            Part.BASELINES,
+            "",
+            lambda: compare_with_baselines(problem, base, found, forecasting, validating),
+            None,
+        )
         made = Diagnosis(
             **vars(identified),
             identify=validated(
@@ -162,9 +180,8 @@ def validate(
                 lambda: _next_experiment(identified, length, validating),
                 None,
             ),
-            baselines=attempt(
-                failures, Part.BASELINES, "", lambda: compare_with_baselines(problem, base, found, validating), None
-            ),
+            baselines=baselines,
+            forecasting=forecasting if baselines is not None and baselines.predicting == FORECASTS else None,
             hidden=hidden_by(problem.unknown),
             engines=errors_of_engines(),
         )

@@ -15,15 +15,27 @@ from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Colour, PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.record import AT_BOUND, ModelRecord, RigRecord, SensorsRecord, covariance_fault, unusable
+from harness.identify.record import (
+    AT_BOUND,
+    ForecastRecord,
+    ModelRecord,
+    RigRecord,
+    SensorsRecord,
+    covariance_fault,
+    unusable,
+)
 from harness.identify.selection.ledger_record import colour_record, declared_record
 from harness.identify.selection.spline_terms import visited
 from harness.preparation.recordings import Observed, observe
 from harness.recording import Recording, Sensors
 
 
-def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
-    """The `model` part of diagnosis.json: everything that a prediction needs."""
+def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fit | None = None) -> ModelRecord:
+    """The `model` part of diagnosis.json: everything that a prediction needs.
+
+    Args:
+        forecasting: the same hypothesis with the parameters that predictions use, if these are others.
+    """
     spline = found.hypothesis.spline
     return ModelRecord(
         rig=RigRecord.model_validate(problem.rig),
@@ -42,6 +54,14 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors) -> ModelRecord:
         roughness=problem.roughness,
         noise_share=problem.noise_share,
         visited_m=visited(problem, Regressor.POSITION),
+        forecast=None
+        if forecasting is None
+        else ForecastRecord(
+            parameters=tuple(forecasting.theta.tolist()),
+            covariance=tuple(map(tuple, _covariance(forecasting).tolist())),
+            process_noise_m2_s3=forecasting.process_noise,
+            band=forecasting.band,
+        ),
     )
 
 
@@ -77,7 +97,7 @@ def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:
 
 
 def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
-    """The problem and fit with which to predict `recording`.
+    """The problem and fit of what was found, for a filter over `recording`.
 
     Args:
         kept: as `model_record` made it.
@@ -120,6 +140,18 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
     )
     # The phases φ₀ in the file belong to other recordings; that of this one is estimated from its own readings.
     return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found
+
+
+def read_forecasting(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
+    """The problem and fit with which to predict `recording`: what was found, with the parameters that predict best.
+
+    Args and errors are those of `read_model`.
+    """
+    if kept.forecast is None:
+        return read_model(kept, recording, origin)
+    of_forecasts = {name: getattr(kept.forecast, name) for name in ForecastRecord.model_fields}
+    problem, found = read_model(kept.model_copy(update=of_forecasts), recording, origin)
+    return problem, replace(found, estimator=Estimator.FORECASTS)
 
 
 def read_terms(kept: ModelRecord, origin: str) -> tuple[Problem, Fit]:

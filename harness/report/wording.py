@@ -15,7 +15,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.problem.windows import AHEAD
 from harness.identify.selection.criterion import Criterion
-from harness.identify.validation.baseline_comparison import AFTER
+from harness.identify.validation.baseline_comparison import AFTER, FORECASTS
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 
@@ -48,18 +48,19 @@ def sentence(diagnosis: Diagnosis) -> str:
         case Verdict.NONE:
             return (
                 "No missing effect was found: no effect of the catalogue predicts these recordings better"
-                f"{_stays(diagnosis.heldout)}."
+                f"{_stays(diagnosis.heldout)}{_fitted_to_forecasts(diagnosis)}."
             )
         case Verdict.NOT_IDENTIFIABLE if _far_above_noise_floor(diagnosis):
             return (
                 f"Not identifiable from these recordings: {_unexplained(diagnosis)}, but no law that was tried "
-                f"predicts significantly better{_stays(diagnosis.heldout)}."
+                f"predicts significantly better{_stays(diagnosis.heldout)}{_fitted_to_forecasts(diagnosis)}."
             )
         case Verdict.NOT_IDENTIFIABLE:
             failed = " or could not be tried" if diagnosis.failures else ""
             return (
                 "Not identifiable from these recordings: nothing was found, but at their typical size "
-                f"{_some(diagnosis.unseen)} would be below the detection limit{failed}."
+                f"{_some(diagnosis.unseen)} would be below the detection limit{failed}"
+                f"{_fitted_to_forecasts(diagnosis)}."
             )
         case Verdict.UNLISTED:
             beside = f" beside {_found(diagnosis)}" if diagnosis.effects else ""
@@ -184,19 +185,31 @@ def _fall(diagnosis: Diagnosis) -> str:
     return f"; the held-out error{span} {verb} from {error_size(before)} to {error_size(after)}"
 
 
+def _fitted_to_forecasts(diagnosis: Diagnosis) -> str:
+    """That predictions use other parameters, if they do."""
+    compared = diagnosis.baselines
+    if compared is None or compared.predicting != FORECASTS:
+        return ""
+    without, fitted = error_size(compared.rms(AFTER)), error_size(compared.rms(FORECASTS))
+    return f"; predictions use parameters fitted to forecasts ({fitted} over held-out blocks, {without} without)"
+
+
 def _as_good(diagnosis: Diagnosis) -> str:
-    """That a baseline that is no black box predicts held-out blocks better, or that it is not sure that none does."""
+    """That predictions use other parameters; that a baseline that is no black box predicts better, or may do so."""
     compared = diagnosis.baselines
     if compared is None:
         return ""
-    best, after = compared.best_simple_baseline, compared.rms(AFTER)
-    errors = f"{error_size(compared.rms(best))} over held-out blocks, {error_size(after)} with what was found"
+    said = _fitted_to_forecasts(diagnosis)
+    best, after = compared.best_simple_baseline, compared.rms(compared.predicting)
+    errors = error_size(compared.rms(best))
+    if not said:
+        errors += f" over held-out blocks, {error_size(after)} with what was found"
     if after >= compared.rms(best):
-        return f"; but {_SIMPLE[best]} predicts better ({errors})"
+        return f"{said}; but {_SIMPLE[best]} predicts better ({errors})"
     margin = compared.margin(best)
     if margin is None or margin.sure:
-        return ""
-    return f"; it is not sure that this predicts better than {_SIMPLE[best]} does ({errors})"
+        return said
+    return f"{said}; it is not sure that this predicts better than {_SIMPLE[best]} does ({errors})"
 
 
 def _stays(heldout: BeforeAfter) -> str:

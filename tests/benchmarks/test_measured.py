@@ -17,7 +17,7 @@ from harness.api.case import Case, load_case
 from harness.api.diagnosis import input_hashes
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.record import BaselinesRecord, EffectRecord, MarginRecord, ParameterRecord
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE
+from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, FORECASTS
 from harness.recording.case import MEASURED
 from tests.api.made import nothing_missing
 
@@ -71,6 +71,22 @@ def test_the_page_says_what_is_known_found_and_left(rig: Rig) -> None:
     assert "Not surely better" not in text
     unsure = rig.diagnosis.record.model_copy(update={"baselines": compared(sure=False)})
     assert "Not surely better than: ball at rest," in page(Rig(rig.case, LoadedDiagnosis(unsure, MEASURED)))
+
+
+def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) -> None:
+    """Give their error beside that of the effects found, say whether they are used, and take the ratio of what is."""
+    plain = compared()
+    more = {
+        "rms_m": plain.rms_m | {FORECASTS: 0.005},
+        "errors_m": plain.errors_m | {FORECASTS: (0.005,) * 4},
+    }
+    for used, told, ratio in ((FORECASTS, "rig use them.", 0.25), (AFTER, "rig do not, as it is not sure", 0.5)):
+        changed = {"baselines": plain.model_copy(update=more | {"predicting": used})}
+        other = Rig(rig.case, LoadedDiagnosis(rig.diagnosis.record.model_copy(update=changed), MEASURED))
+        text = page(other)
+        assert "| the same, parameters fitted to forecasts | 5.00 | 5.00 | — | — |" in text
+        assert told in text
+        assert other.ratio(SIMPLE) == pytest.approx(ratio)
 
 
 def test_the_table_of_all_rigs_has_their_ratios(rig: Rig) -> None:

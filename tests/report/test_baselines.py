@@ -5,12 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
+from harness.formatting import number
+from harness.identify.validation.baseline_comparison import (
+    AFTER,
+    BASELINES,
+    BEFORE,
+    FORECASTS,
+    BaselineComparison,
+)
 from harness.identify.validation.baselines import BLACK_BOXES
+from harness.numerics import rms
 from harness.report.diagnosis.baselines import TITLES, _answer, _table
 
 ONE = 1e-3 * np.array([1.0, 2.0, 1.5, 2.5, 1.2, 1.8])
-WORSE = {BEFORE: 2.0 * ONE, AFTER: ONE} | dict.fromkeys(BASELINES, 3.0 * ONE)
+WORSE_BASELINES = dict.fromkeys(BASELINES, 3.0 * ONE)
+WORSE = {BEFORE: 2.0 * ONE, AFTER: ONE} | WORSE_BASELINES
 
 
 @pytest.mark.parametrize(
@@ -43,3 +52,12 @@ def test_every_contender_has_a_row_and_the_best_is_set_apart():
 def test_black_boxes_are_called_so():
     """Say of the output-error models, and of them alone, what they are fitted to."""
     assert {name for name in TITLES if "a black box fitted to the forecast" in TITLES[name]} == set(BLACK_BOXES)
+
+
+def test_parameters_for_predictions_have_a_row():
+    """Give the error of parameters fitted to forecasts beside that of those found, and compare what predicts."""
+    rows = _table(BaselineComparison({BEFORE: 2.0 * ONE, AFTER: ONE, FORECASTS: 0.5 * ONE} | WORSE_BASELINES)).rows
+    assert rows[2].cells[0] == "with the effects found, parameters fitted to forecasts"
+    assert [row.kind == "best" for row in rows] == [False, False, True, *[False] * len(BASELINES)]
+    gain = 1e3 * (rms(3.0 * ONE) - rms(0.5 * ONE))
+    assert rows[3].cells[3] == number(gain, 3)

@@ -14,7 +14,13 @@ from harness.identify.diagnosis import Diagnosis
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis, Terms
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
+from harness.identify.validation.baseline_comparison import (
+    AFTER,
+    BASELINES,
+    BEFORE,
+    FORECASTS,
+    BaselineComparison,
+)
 from harness.identify.validation.held_out import BeforeAfter, Errors
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.report.wording import DEPENDENCES, error_size, phrase, sentence
@@ -109,6 +115,21 @@ def test_a_model_that_is_no_better_than_no_physics_is_called_so(
     errors |= {AFTER: np.array(after), "at_rest": np.full(5, at_rest), "output_error_2": np.full(5, 0.001)}
     text = said(plain, Verdict.EFFECT, (ROLLING,), baselines=BaselineComparison(errors))
     assert (told in text) if told else text.endswith("decreases from 174 mm to 0.30 mm.")
+
+
+@pytest.mark.parametrize(("verdict", "findings"), [(Verdict.EFFECT, (ROLLING,)), (Verdict.NOT_IDENTIFIABLE, ())])
+def test_parameters_for_predictions_are_told(
+    plain: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...]
+) -> None:
+    """Say that predictions use parameters fitted to forecasts, and hold these against a ball at rest."""
+    errors = {name: np.full(5, 0.2) for name in (BEFORE, *BASELINES)}
+    errors |= {AFTER: np.full(5, 0.04), FORECASTS: np.full(5, 0.03), "at_rest": np.full(5, 0.035)}
+    text = said(plain, verdict, findings, baselines=BaselineComparison(errors))
+    told = "; predictions use parameters fitted to forecasts (30.0 mm over held-out blocks, 40.0 mm without)."
+    assert text.endswith(told)
+    worse = errors | {"at_rest": np.full(5, 0.02)}
+    text = said(plain, Verdict.EFFECT, (ROLLING,), baselines=BaselineComparison(worse))
+    assert text.endswith("40.0 mm without); but a ball at rest predicts better (20.0 mm).")
 
 
 @pytest.mark.parametrize("friction", [False, True])

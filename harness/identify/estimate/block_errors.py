@@ -10,10 +10,11 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.estimate.cross_validation import fit_without
 from harness.identify.estimate.fit import Estimator, Fit
+from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.refit import refit
 from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.windows import Block, Window, block_groups, without_predicted
+from harness.identify.problem.windows import Block, Window, block_groups, of_windows, without_predicted
 from harness.numerics import rms
 from harness.threads import in_threads
 
@@ -31,6 +32,7 @@ def group_fits(problem: Problem, whole: Fit) -> list[tuple[Fit, list[Block]]]:
 
     One to free runs is repeated on the windows to fit to, with the process noise of the whole fit. One by likelihood is
     repeated without the readings that are to be predicted, and gets the process noise that predicts these windows best.
+    One to forecasts is made on the windows to fit to, from the values of the whole fit.
 
     Args:
         whole: the fit to all recordings.
@@ -63,5 +65,7 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
 def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
     if whole.estimator is Estimator.FREE_RUNS:
         return replace(fit_without(problem, whole, fitted), process_noise=whole.process_noise)
+    if whole.estimator is Estimator.FORECASTS:
+        return fit_forecasts(of_windows(problem, fitted), whole, fitted)
     rest = without_predicted(problem, blocks)
     return tuned_to_windows(problem, refit(rest, whole), fitted)

@@ -19,7 +19,7 @@ from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
 from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
-from harness.identify.problem.windows import Block, Window, block_groups
+from harness.identify.problem.windows import Block, Window, block_groups, of_windows
 from harness.parallel import side_by_side
 
 _SHARE = 0.95  # of the readings that the band shall hold
@@ -98,6 +98,6 @@ def widened(ratios: Sequence[FloatArray]) -> float:
 
 def fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window]) -> Fit:
     """The hypothesis of a fit to free runs, fitted from its values to some windows and the recordings they are of."""
-    within = {id(window.recording) for window in fitted}
-    rest = replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
-    return fit_free_runs(rest, whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR).fit
+    return fit_free_runs(
+        of_windows(problem, fitted), whole.refined, fitted, initial=whole.values(), effort=Effort.NEAR
+    ).fit

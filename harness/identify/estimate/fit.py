@@ -40,6 +40,7 @@ class Estimator(StrEnum):
 
     LIKELIHOOD = "likelihood"  # innovations and process noise
     FREE_RUNS = "free_runs"  # runs over windows without readings on the way
+    FORECASTS = "forecasts"  # the predicted part of windows, with its process noise
 
 
 @dataclass(frozen=True)

@@ -22,14 +22,13 @@ from scipy.optimize import lsq_linear
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import PROCESS_NOISE, Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
+from harness.identify.estimate.soft_l1 import loss, scale_of, weights
 from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.problem.hypothesis import Hypothesis, own_key
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
 _CONVERGED = 2e-3  # relative decrease of the loss
-_LEAST_SCALE = 1e-4  # of the loss [m]
-_MEDIAN = 0.6745  # median absolute value of a standard normal variable
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-6, 1e4  # at first; the bounds of it
 _FACTOR = 6.0  # by which the damping changes
 _FASTEST = 0.5  # largest change of a start in one step [m], [m/s]
@@ -75,12 +74,12 @@ class FreeRunFit:
 
     def loss(self, scale: float) -> float:
         """Sum of the soft L1 losses with c = `scale` [m²]."""
-        return _loss(self.residual, scale)
+        return loss(self.residual, scale)
 
     @property
     def scale(self) -> float:
         """c of this fit's own residuals [m]."""
-        return _scale(self.residual)
+        return scale_of(self.residual)
 
 
 def fit_free_runs(
@@ -105,13 +104,13 @@ def fit_free_runs(
     starts = _starting_points(problem, hypothesis, initial or {})
     low, high = hypothesis.bounds(problem)
     begun = [_settled(runs, hypothesis, np.clip(theta, low + INSIDE, high - INSIDE), first) for theta in starts]
-    scale = min(_scale(point.residual) for point in begun)
-    begun = sorted(begun, key=lambda point: _loss(point.residual, scale))
+    scale = min(scale_of(point.residual) for point in begun)
+    begun = sorted(begun, key=lambda point: loss(point.residual, scale))
     followed = begun[: _FOLLOWED if effort is Effort.FULL else 1]
     widths, steps = _EFFORTS[effort]
     ends = [_descend(runs, hypothesis, point, widths, steps) for point in followed]
-    scale = min(_scale(point.residual) for point in ends)
-    best = min(ends, key=lambda point: _loss(point.residual, scale))
+    scale = min(scale_of(point.residual) for point in ends)
+    best = min(ends, key=lambda point: loss(point.residual, scale))
     if not np.all(np.isfinite(best.residual)):
         raise FloatingPointError("the free runs of this fit are not finite")
     return FreeRunFit(
@@ -187,7 +186,7 @@ def _descend(runs: FreeRuns, hypothesis: Hypothesis, point: _Point, widths: Sequ
     for width in widths if len(point.theta) else ():
         damping = _DAMPING
         for _ in range(iterations):
-            scale = _scale(point.residual)
+            scale = scale_of(point.residual)
             before = _objective(hypothesis, runs, point.theta, point.residual, scale)
             tried, damping = _damped_step(runs, hypothesis, point, width, scale, damping)
             if tried is None:
@@ -209,7 +208,7 @@ def _damped_step(
     """
     low, high = hypothesis.bounds(runs.problem)
     smoothness = hypothesis.smoothness(runs.problem)
-    weight = _weights(point.residual, scale) / scale
+    weight = weights(point.residual, scale) / scale
     slopes = point.slopes * weight[:, None]
     columns = np.column_stack((point.residual, _jacobian(runs, hypothesis, point, width))) * weight[:, None]
     projected, _ = runs.project(slopes, columns)
@@ -226,7 +225,7 @@ def _damped_step(
         tried = _point(runs, hypothesis, theta, _moved(point.starts, moves))
         starts = _moved(tried.starts, runs.project(tried.slopes, tried.residual[:, None])[1])
         residual = runs.reading - runs.runs(hypothesis.terms(theta, runs.problem), starts)
-        if _loss(residual, scale) < _loss(tried.residual, scale):
+        if loss(residual, scale) < loss(tried.residual, scale):
             tried = replace(tried, starts=starts, residual=residual)
         if _objective(hypothesis, runs, theta, tried.residual, scale) < before:
             return tried, max(damping / _FACTOR, _LEAST_DAMPING)
@@ -237,7 +236,7 @@ def _damped_step(
 def _objective(hypothesis: Hypothesis, runs: FreeRuns, theta: FloatArray, residual: FloatArray, scale: float) -> float:
     """Loss over c² and smoothness penalty [1]."""
     penalty = hypothesis.smoothness(runs.problem) @ theta
-    return _loss(residual, scale) / scale**2 + float(penalty @ penalty)
+    return loss(residual, scale) / scale**2 + float(penalty @ penalty)
 
 
 def _bounded_step(A: FloatArray, b: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
@@ -267,7 +266,7 @@ def _jacobian(runs: FreeRuns, hypothesis: Hypothesis, point: _Point, width: floa
 def _covariance(runs: FreeRuns, hypothesis: Hypothesis, point: _Point) -> FloatArray:
     """Sandwich covariance of the parameters in their units, shape (k, k); infinite where free runs beside them are."""
     count = runs.windows
-    weight = _weights(point.residual, _scale(point.residual))
+    weight = weights(point.residual, scale_of(point.residual))
     columns = np.column_stack((point.residual, _jacobian(runs, hypothesis, point, _NARROW))) * weight[:, None]
     projected, _ = runs.project(point.slopes * weight[:, None], columns)
     if not np.all(np.isfinite(projected)):
@@ -278,18 +277,3 @@ def _covariance(runs: FreeRuns, hypothesis: Hypothesis, point: _Point) -> FloatA
     scale = hypothesis.scale(runs.problem)
     correction = count / max(count - len(point.theta), 1)
     return np.asarray(correction * (bread @ (scores.T @ scores) @ bread) * np.outer(scale, scale))
-
-
-def _weights(residual: FloatArray, scale: float) -> FloatArray:
-    """Roots of the weights with which least squares follow the soft L1, same shape."""
-    return np.asarray((1.0 + (residual / scale) ** 2) ** -0.25)
-
-
-def _loss(residual: FloatArray, scale: float) -> float:
-    """Sum of the soft L1 losses [m²]."""
-    return float(np.sum(2.0 * scale**2 * (np.sqrt(1.0 + (residual / scale) ** 2) - 1.0)))
-
-
-def _scale(residual: FloatArray) -> float:
-    """c of the soft L1: the standard deviation that the median residual has of normal ones [m]."""
-    return max(float(np.median(np.abs(residual))) / _MEDIAN, _LEAST_SCALE)

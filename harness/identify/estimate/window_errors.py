@@ -15,6 +15,7 @@ from harness.identify.filter.run import Excerpt, FilterRun, run_parts
 from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
+from harness.numerics import rms
 
 _DRAWS = 24  # of the parameters: a standard deviation within 15 %, and that of a block's readings closer
 FARTHEST = 100.0  # of a prediction [m]
@@ -26,8 +27,13 @@ def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> li
 
     The filter runs over the known part and on without readings.
     """
+    return [rms(errors) for errors in forecast_errors(problem, found, windows)]
+
+
+def forecast_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[FloatArray]:
+    """Prediction − reading in the predicted part of every window, shape (its readings,) each [m]."""
     runs = _runs(problem, found, windows, _own_of_windows(problem, found, windows))
-    return [window.rms_error(bounded(run.recorded)) for window, run in zip(windows, runs, strict=True)]
+    return [(bounded(run.recorded) - window.reading)[window.judged] for window, run in zip(windows, runs, strict=True)]
 
 
 def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:

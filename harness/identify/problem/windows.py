@@ -197,6 +197,12 @@ def without_predicted(problem: Problem, blocks: Sequence[Block]) -> Problem:
     return replace(problem, recordings=tuple(replace(one, reading=readings[id(one)]) for one in problem.recordings))
 
 
+def of_windows(problem: Problem, windows: Sequence[Window]) -> Problem:
+    """The problem with those recordings alone that the windows are of."""
+    within = {id(window.recording) for window in windows}
+    return replace(problem, recordings=tuple(one for one in problem.recordings if id(one) in within))
+
+
 def _apart(windows: Sequence[Window], held_out: Sequence[Window]) -> tuple[Window, ...]:
     """The windows without any reading of the predicted parts of those held out."""
     begins: dict[int, list[float]] = {}

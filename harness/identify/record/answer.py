@@ -153,7 +153,8 @@ class BaselinesRecord(RecordPart):
     """Held-out blocks predicted by the model, `before` and `after`, and by the baselines.
 
     `errors_m` has the RMS error of every block by source, `rms_m` that over all blocks. Windows of `known_s` and then
-    `ahead_s` that overlap are one block.
+    `ahead_s` that overlap are one block. The source `fitted_to_forecasts` is `after` with other parameters; with that
+    named by `predicting` predictions are made, and the baselines are compared.
     """
 
     known_s: Finite
@@ -163,3 +164,4 @@ class BaselinesRecord(RecordPart):
     errors_m: dict[str, tuple[Number, ...]]
     blocks_won: dict[str, int]
     better_by_m: dict[str, MarginRecord | None]
+    predicting: Literal["after", "fitted_to_forecasts"] = "after"

@@ -82,13 +82,28 @@ class ColourRecord(RecordPart):
     time_s: float = Field(1.0, gt=0.0, allow_inf_nan=False)
 
 
+class ForecastRecord(RecordPart):
+    """What predictions use in place of the same of the model: fitted to forecasts, which it predicts surely better."""
+
+    parameters: tuple[Finite, ...]
+    covariance: CovarianceRows
+    process_noise_m2_s3: Positive
+    band: Positive
+
+    @model_validator(mode="after")
+    def _with_its_covariance(self) -> ForecastRecord:
+        _check_covariance(self.covariance, len(self.parameters))
+        return self
+
+
 class ModelRecord(RecordPart):
     """The identified model: everything that a prediction needs.
 
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
     is the factor on the density of the beam's third derivative with which a drive is smoothed [1], `noise_share` what
     of the scatter of its readings is then an error [1]; `visited_m` is from where to where positions were recorded,
-    without half a percent of the readings at either end, null if not known.
+    without half a percent of the readings at either end, null if not known. `forecast` has what predictions use instead
+    where parameters fitted to forecasts predict held-out blocks surely better, else null.
     """
 
     rig: RigRecord
@@ -107,15 +122,22 @@ class ModelRecord(RecordPart):
     roughness: Positive = 1.0
     noise_share: Positive = 1.0
     visited_m: tuple[Finite, Finite] | None = None
+    forecast: ForecastRecord | None = None
 
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ModelRecord:
-        count = len(self.parameters)
-        check_square(self.covariance, count)
-        rows = [[np.nan if one is None else one for one in row] for row in self.covariance]
-        fault = covariance_fault(np.array(rows, dtype=float).reshape(count, count))
-        if fault:
-            raise ValueError(f"covariance {fault}")
+        _check_covariance(self.covariance, len(self.parameters))
+        if self.forecast is not None and len(self.forecast.parameters) != len(self.parameters):
+            raise ValueError("forecast has not as many parameters as the model")
         if self.visited_m is not None and not self.visited_m[0] <= self.visited_m[1]:
             raise ValueError("visited_m ends before it begins")
         return self
+
+
+def _check_covariance(covariance: CovarianceRows, count: int) -> None:
+    """Refuse a covariance that is not one of `count` parameters, null where a fit did not give it."""
+    check_square(covariance, count)
+    rows = [[np.nan if one is None else one for one in row] for row in covariance]
+    fault = covariance_fault(np.array(rows, dtype=float).reshape(count, count))
+    if fault:
+        raise ValueError(f"covariance {fault}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,13 +18,17 @@ from harness.metrics.bootstrap import FEWEST, Margin, rms_reduction
 from harness.numerics import rms
 from harness.progress import Progress, silent
 
-BEFORE, AFTER = "before", "after"
+BEFORE, AFTER, FORECASTS = "before", "after", "fitted_to_forecasts"
 BASELINES = tuple(FITS)
 
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """RMS error of every held-out block by source (before, after, and the baselines), shape (blocks,) each [m]."""
+    """RMS error of every held-out block by source, shape (blocks,) each [m].
+
+    Sources are the model before and after, the model after with parameters fitted to forecasts where there is such a
+    fit, and the baselines.
+    """
 
     errors: Mapping[str, FloatArray]
 
@@ -31,6 +36,13 @@ class BaselineComparison:
     def blocks(self) -> int:
         """Number of blocks."""
         return len(self.errors[AFTER])
+
+    @cached_property
+    def predicting(self) -> str:
+        """The source with which predictions are made: after, or fitted to forecasts if that surely predicts better."""
+        if FORECASTS not in self.errors or self.blocks < FEWEST:
+            return AFTER
+        return FORECASTS if rms_reduction(self.errors[AFTER], self.errors[FORECASTS]).sure else AFTER
 
     @property
     def best_simple_baseline(self) -> str:
@@ -42,16 +54,16 @@ class BaselineComparison:
         return rms(self.errors[source])
 
     def margin(self, baseline: str) -> Margin | None:
-        """Reduction of the RMS error from a baseline to the model after [m]; `None` for too few blocks."""
-        return None if self.blocks < FEWEST else rms_reduction(self.errors[baseline], self.errors[AFTER])
+        """Reduction of the RMS error from a baseline to the model that predicts [m]; `None` for too few blocks."""
+        return None if self.blocks < FEWEST else rms_reduction(self.errors[baseline], self.errors[self.predicting])
 
     def won(self, baseline: str) -> int:
-        """Number of blocks that the model after predicts better than a baseline."""
-        return int(np.sum(self.errors[AFTER] < self.errors[baseline]))
+        """Number of blocks that the model predicts better than a baseline."""
+        return int(np.sum(self.errors[self.predicting] < self.errors[baseline]))
 
 
 def compare_with_baselines(
-    problem: Problem, base: Fit, found: Fit, progress: Progress = silent
+    problem: Problem, base: Fit, found: Fit, forecasting: Fit | None = None, progress: Progress = silent
 ) -> BaselineComparison | None:
     """Errors of the model, before and after, and of the baselines on held-out blocks; `None` without any block.
 
@@ -59,6 +71,7 @@ def compare_with_baselines(
 
     Args:
         base, found: fits to all recordings, without and with the identified terms.
+        forecasting: fit to forecasts with its held-out errors, where there is one.
     """
     groups = groups_of(problem.recordings)
     if not groups:
@@ -67,6 +80,8 @@ def compare_with_baselines(
     errors = {BEFORE: block_errors(problem, base)}
     same = found.hypothesis == base.hypothesis and found.estimator is base.estimator
     errors[AFTER] = errors[BEFORE] if same else block_errors(problem, found)
+    if forecasting is not None:
+        errors[FORECASTS] = np.array(forecasting.held_out)
     for name, fit in FITS.items():
         progress(f"baselines: {name.replace('_', ' ')}")
         of_blocks = []

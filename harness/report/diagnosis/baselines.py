@@ -6,7 +6,13 @@ import numpy as np
 
 from harness.formatting import NONE, brief, listed, number
 from harness.identify.problem.windows import AHEAD, KNOWN
-from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, BaselineComparison
+from harness.identify.validation.baseline_comparison import (
+    AFTER,
+    BASELINES,
+    BEFORE,
+    FORECASTS,
+    BaselineComparison,
+)
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table, texts
@@ -14,6 +20,7 @@ from harness.report.tables import Column, Row, Table, texts
 TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
     AFTER: FOUND.label,
+    FORECASTS: "with the effects found, parameters fitted to forecasts",
     "at_rest": "ball at rest",
     "constant_velocity": "ball at constant velocity",
     "double_integrator": "double integrator, s̈ = k (α + α₀)",
@@ -31,6 +38,8 @@ def section(account: Account) -> Section | None:
     context = {
         "answer": _answer(compared),
         "worse": compared.rms(AFTER) > compared.rms(BEFORE),
+        "tried": FORECASTS in compared.errors,
+        "used": compared.predicting == FORECASTS,
         "known": brief(KNOWN),
         "ahead": brief(AHEAD),
         "blocks": compared.blocks,

@@ -1,0 +1,25 @@
+"""The soft L1 loss of a residual e, 2 c² (√(1 + (e/c)²) − 1): quadratic for small ones, linear for large ones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic.motion import FloatArray
+
+_LEAST_SCALE = 1e-4  # of the loss [m]
+_MEDIAN = 0.6745  # median absolute value of a standard normal variable
+
+
+def scale_of(residual: FloatArray) -> float:
+    """c: the standard deviation that the median residual has of normal ones [m]."""
+    return max(float(np.median(np.abs(residual))) / _MEDIAN, _LEAST_SCALE)
+
+
+def loss(residual: FloatArray, scale: float) -> float:
+    """Sum of the losses with c = `scale` [m²]."""
+    return float(np.sum(2.0 * scale**2 * (np.sqrt(1.0 + (residual / scale) ** 2) - 1.0)))
+
+
+def weights(residual: FloatArray, scale: float) -> FloatArray:
+    """Roots of the weights with which least squares follow the loss, same shape."""
+    return np.asarray((1.0 + (residual / scale) ** 2) ** -0.25)
