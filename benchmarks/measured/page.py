@@ -23,7 +23,7 @@ from harness.report.wording import words
 LABELS = {name: short_title(name) for name in BASELINES} | {
     BEFORE: "model with what is known",
     AFTER: "model with the effects found",
-    FORECASTS: "the same, parameters fitted to forecasts",
+    FORECASTS: "model with parameters fitted to forecasts",
 }
 _TOO_SHORT = "The recordings are too short to hold blocks out."
 
@@ -180,8 +180,9 @@ def _errors(rig: Rig) -> list[str]:
     if FORECASTS in compared.errors_m:
         used = "use them" if compared.predicting == FORECASTS else "do not, as it is not sure that they predict better"
         fitted = [
-            "Parameters fitted to forecasts are those of the effects found with which the filter predicts the windows "
-            f"best. They are for predictions alone; the predictions of this rig {used}."
+            "Parameters fitted to forecasts are those with which the filter predicts the windows best: of the effects "
+            "found, or, where none was, of such as are common on measured rigs. They are for predictions alone; the "
+            f"predictions of this rig {used}."
         ]
     return [table(heads, rows), said, *fitted, _OTHER]
 

@@ -34,7 +34,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
     """The `model` part of diagnosis.json: everything that a prediction needs.
 
     Args:
-        forecasting: the same hypothesis with the parameters that predictions use, if these are others.
+        forecasting: what predictions use, if that is another fit.
     """
     spline = found.hypothesis.spline
     return ModelRecord(
@@ -57,6 +57,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
         forecast=None
         if forecasting is None
         else ForecastRecord(
+            effects=forecasting.hypothesis.names,
             parameters=tuple(forecasting.theta.tolist()),
             covariance=tuple(map(tuple, _covariance(forecasting).tolist())),
             process_noise_m2_s3=forecasting.process_noise,
@@ -143,7 +144,7 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
 
 
 def read_forecasting(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
-    """The problem and fit with which to predict `recording`: what was found, with the parameters that predict best.
+    """The problem and fit with which to predict `recording`: what was found, or what predicts surely better.
 
     Args and errors are those of `read_model`.
     """

@@ -191,7 +191,8 @@ def _fitted_to_forecasts(diagnosis: Diagnosis) -> str:
     if compared is None or compared.predicting != FORECASTS:
         return ""
     without, fitted = error_size(compared.rms(AFTER)), error_size(compared.rms(FORECASTS))
-    return f"; predictions use parameters fitted to forecasts ({fitted} over held-out blocks, {without} without)"
+    what = "parameters" if diagnosis.effects else "effects that are common on measured rigs,"
+    return f"; predictions use {what} fitted to forecasts ({fitted} over held-out blocks, {without} without)"
 
 
 def _as_good(diagnosis: Diagnosis) -> str:

@@ -84,7 +84,7 @@ def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) ->
         changed = {"baselines": plain.model_copy(update=more | {"predicting": used})}
         other = Rig(rig.case, LoadedDiagnosis(rig.diagnosis.record.model_copy(update=changed), MEASURED))
         text = page(other)
-        assert "| the same, parameters fitted to forecasts | 5.00 | 5.00 | — | — |" in text
+        assert "| model with parameters fitted to forecasts | 5.00 | 5.00 | — | — |" in text
         assert told in text
         assert other.ratio(SIMPLE) == pytest.approx(ratio)
 

@@ -117,16 +117,22 @@ def test_a_model_that_is_no_better_than_no_physics_is_called_so(
     assert (told in text) if told else text.endswith("decreases from 174 mm to 0.30 mm.")
 
 
-@pytest.mark.parametrize(("verdict", "findings"), [(Verdict.EFFECT, (ROLLING,)), (Verdict.NOT_IDENTIFIABLE, ())])
+@pytest.mark.parametrize(
+    ("verdict", "findings", "what"),
+    [
+        (Verdict.EFFECT, (ROLLING,), "parameters fitted"),
+        (Verdict.NOT_IDENTIFIABLE, (), "effects that are common on measured rigs, fitted"),
+        (Verdict.NONE, (), "effects that are common on measured rigs, fitted"),
+    ],
+)
 def test_parameters_for_predictions_are_told(
-    plain: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...]
+    plain: Posed, verdict: Verdict, findings: tuple[IdentifiedEffect, ...], what: str
 ) -> None:
     """Say that predictions use parameters fitted to forecasts, and hold these against a ball at rest."""
     errors = {name: np.full(5, 0.2) for name in (BEFORE, *BASELINES)}
     errors |= {AFTER: np.full(5, 0.04), FORECASTS: np.full(5, 0.03), "at_rest": np.full(5, 0.035)}
     text = said(plain, verdict, findings, baselines=BaselineComparison(errors))
-    told = "; predictions use parameters fitted to forecasts (30.0 mm over held-out blocks, 40.0 mm without)."
-    assert text.endswith(told)
+    assert text.endswith(f"; predictions use {what} to forecasts (30.0 mm over held-out blocks, 40.0 mm without).")
     worse = errors | {"at_rest": np.full(5, 0.02)}
     text = said(plain, Verdict.EFFECT, (ROLLING,), baselines=BaselineComparison(worse))
     assert text.endswith("40.0 mm without); but a ball at rest predicts better (20.0 mm).")

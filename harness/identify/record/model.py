@@ -83,8 +83,12 @@ class ColourRecord(RecordPart):
 
 
 class ForecastRecord(RecordPart):
-    """What predictions use in place of the same of the model: fitted to forecasts, which it predicts surely better."""
+    """What predictions use in place of the same of the model: fitted to forecasts, and surely better at these.
 
+    The effects are those of the model, or, where nothing was found, such as are common on measured rigs.
+    """
+
+    effects: tuple[str, ...]
     parameters: tuple[Finite, ...]
     covariance: CovarianceRows
     process_noise_m2_s3: Positive
@@ -127,8 +131,6 @@ class ModelRecord(RecordPart):
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ModelRecord:
         _check_covariance(self.covariance, len(self.parameters))
-        if self.forecast is not None and len(self.forecast.parameters) != len(self.parameters):
-            raise ValueError("forecast has not as many parameters as the model")
         if self.visited_m is not None and not self.visited_m[0] <= self.visited_m[1]:
             raise ValueError("visited_m ends before it begins")
         return self

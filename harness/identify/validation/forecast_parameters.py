@@ -6,14 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from analytic.effects import CATALOGUE
 from harness.identify.estimate.block_errors import group_fits, groups_of
 from harness.identify.estimate.cross_validation import widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
+from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.window_errors import normalised_errors, window_errors
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
-from harness.identify.selection.candidates import predicts_poorly
+from harness.identify.selection.candidates import candidates, predicts_poorly, selected_effects
 from harness.metrics.bootstrap import FEWEST
 from harness.numerics import rms
 from harness.progress import Progress, silent
@@ -24,23 +27,36 @@ _BLOCKS_FOR_EACH = 2  # parameters and process noise: of fewer blocks a fit to f
 def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silent) -> Fit | None:
     """The fit to forecasts of all windows, with its errors of held-out blocks and the band of its predictions.
 
+    It has the effects found. Where none was found it has those that are common on measured rigs, as what they have in
+    common with what acts may help a prediction though no single one is surely there.
+
     `None` where what was found predicts as well as a complete model would, where there are too few blocks, and for
     curves and values that recordings have of their own, which a few windows tell nothing about.
 
     Args:
         found: fit to all recordings, with the identified terms.
     """
-    groups = groups_of(problem.recordings)
-    count = sum(len(blocks) for _, blocks in groups)
-    hypothesis = found.hypothesis
-    if count < max(FEWEST, _BLOCKS_FOR_EACH * (len(found.theta) + 1)) or hypothesis.own or hypothesis.spline:
+    if found.hypothesis.own or found.hypothesis.spline or not predicts_poorly(problem, found):
         return None
-    if not len(found.theta) or not predicts_poorly(problem, found):
+    blocks = sum(len(each) for _, each in groups_of(problem.recordings))
+    hypotheses = [found.hypothesis] if selected_effects(problem, found) else [_common(problem), found.hypothesis]
+    enough = [one for one in hypotheses if 0 < one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0]
+    if blocks < FEWEST or not enough:
         return None
     progress("parameters for predictions: fits to forecasts")
-    whole = fit_forecasts(problem, found, fitted_windows(problem.recordings))
-    parts = group_fits(problem, replace(found, estimator=Estimator.FORECASTS))
-    held = [(part, block) for part, blocks in parts for block in blocks]
+    hypothesis, windows = enough[0], fitted_windows(problem.recordings)
+    begin = found
+    if hypothesis != found.hypothesis:
+        begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
+    whole = fit_forecasts(problem, begin, windows)
+    parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS))
+    held = [(part, block) for part, each in parts for block in each]
     errors = [rms(np.array(window_errors(problem, part, block.held_out))) for part, block in held]
     ratios = [np.abs(normalised_errors(problem, part, block.held_out)) for part, block in held]
     return replace(whole, held_out=tuple(errors), band=widened(ratios) / TWO_SIDED)
+
+
+def _common(problem: Problem) -> Hypothesis:
+    """The stand-ins for unknown rig quantities, and the candidates that are common on measured rigs."""
+    common = [name for name in candidates(problem) if CATALOGUE[name].relations.common]
+    return Hypothesis((*problem.unknown, *common))

@@ -20,7 +20,7 @@ from harness.report.tables import Column, Row, Table, texts
 TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
     AFTER: FOUND.label,
-    FORECASTS: "with the effects found, parameters fitted to forecasts",
+    FORECASTS: "parameters fitted to forecasts, for predictions alone",
     "at_rest": "ball at rest",
     "constant_velocity": "ball at constant velocity",
     "double_integrator": "double integrator, s̈ = k (α + α₀)",
@@ -40,6 +40,7 @@ def section(account: Account) -> Section | None:
         "worse": compared.rms(AFTER) > compared.rms(BEFORE),
         "tried": FORECASTS in compared.errors,
         "used": compared.predicting == FORECASTS,
+        "found": bool(account.diagnosis.effects),
         "known": brief(KNOWN),
         "ahead": brief(AHEAD),
         "blocks": compared.blocks,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from harness.api.saved import LoadedDiagnosis
+from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.estimate.free_run_fit import fit_free_runs
@@ -134,6 +135,20 @@ def test_a_prediction_is_made_with_them(rolling: tuple[Posed, Fit], wrong: Fit, 
         return rms((made["ball_position_m"].to_numpy() - recording.position)[ahead])
 
     assert error(forecasting) < 0.2 * error(None)
+
+
+@needs_shared
+@pytest.mark.slow
+def test_where_nothing_was_found_common_effects_predict() -> None:
+    """Predict a measured rig as if no effect had been found: by all common ones, in three fifths of the error."""
+    problem = problem_of(load_case(RECORDINGS / "uts"))
+    base = fit(problem, Hypothesis(problem.unknown))
+    forecasting = fitted_to_forecasts(problem, base)
+    assert forecasting is not None
+    assert forecasting.hypothesis.names == (
+        *problem.unknown, "viscous_damping", ROLLING, "beam_compliance", "channel_delay",
+    )  # fmt: skip
+    assert rms(np.array(forecasting.held_out)) < 0.6 * rms(block_errors(problem, base))
 
 
 @needs_shared
