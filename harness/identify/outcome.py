@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from harness.failures import Failed, Part
 from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
@@ -49,12 +51,20 @@ def contradiction(problem: Problem, selection: Selection, failures: Iterable[Fai
     if any(one.part is Part.SEARCH for one in failures):
         return ""
     found, results = selection.found, _possible_results(problem, selection)
-    if any(found is one for one in results):
+    if any(_is(found, one) for one in results):
         return ""
-    named = any(found is one for line in selection.ledger for one in (line.fit, line.against))
+    named = any(_is(found, one) for line in selection.ledger for one in (line.fit, line.against))
     if selection.ledger and not named and _better(problem, found, results[0]):
         return ""
     return f"{title(found)}, but the decisions of the ledger lead to {title(results[0])}"
+
+
+def _is(found: Fit, one: Fit) -> bool:
+    """Whether the result is a certain fit, or this with the band of its predictions, which no decision depends on."""
+    if found is one or not found.held_out:
+        return found is one
+    same = found.hypothesis == one.hypothesis and found.estimator is one.estimator and found.held_out == one.held_out
+    return same and np.array_equal(found.theta, one.theta)
 
 
 def _possible_results(problem: Problem, selection: Selection) -> list[Fit]:

@@ -17,6 +17,7 @@ from harness.api.saved import load_diagnosis
 from harness.errors import InputError
 from harness.exports.model import export_model
 from harness.identify.record import SCHEMA_FILE, DiagnosisRecord, ErrorsRecord, read_record, schema_text
+from harness.provenance import seal_of
 from harness.recording import load_case
 from tests.acceptance.short import write_short_case
 from tests.api.made import nothing_missing
@@ -89,6 +90,17 @@ def test_a_record_is_sealed(record: DiagnosisRecord, tmp_path: Path) -> None:
     file = tmp_path / "diagnosis.json"
     for change, intact in (({}, True), ({"sentence": "All is well."}, False), ({"sealed": ""}, False)):
         file.write_text(json.dumps(content | {"sealed": seal} | change), encoding="utf-8")
+        assert read_record(file).intact is intact
+
+
+def test_a_file_from_before_a_key_was_added_is_intact(record: DiagnosisRecord, tmp_path: Path) -> None:
+    """Take a file that was sealed without a key that has a default for intact, until anything else is changed."""
+    content = json.loads(record.text())
+    del content["model"]["forecast"]
+    content["sealed"] = seal_of(content)
+    file = tmp_path / "diagnosis.json"
+    for change, intact in (({}, True), ({"sentence": "All is well."}, False)):
+        file.write_text(json.dumps(content | change), encoding="utf-8")
         assert read_record(file).intact is intact
 
 

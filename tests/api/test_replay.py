@@ -13,6 +13,7 @@ import harness
 from harness.identify.record import DiagnosisRecord
 from harness.identify.selection.ledger_record import digest
 from harness.simulator import Experiment, write_case
+from tests.shared_data import BUNDLED_RIG
 
 Content = dict[str, Any]
 
@@ -54,6 +55,14 @@ def test_what_was_not_touched_comes_out_again(saved: Path, case: Path) -> None:
     assert done.unverified == ("errors of the engines (--engines runs them)",)
     done = harness.replay(saved, case, engines=True)
     assert (done.mismatches, done.unverified) == ((), ())
+
+
+@pytest.mark.slow
+def test_a_search_by_held_out_errors_comes_out_again(tmp_path: Path) -> None:
+    """Find nothing that differs on the bundled measured rig, whose result has a band that no decision tells of."""
+    made = harness.diagnose(BUNDLED_RIG)
+    assert made.record.model.estimator == "free_runs"
+    assert harness.replay(made.save(tmp_path / "saved"), BUNDLED_RIG).mismatches == ()
 
 
 @pytest.mark.slow
