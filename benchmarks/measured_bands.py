@@ -23,11 +23,12 @@ from benchmarks.bands import PAGE, TITLE, share_with_interval
 from benchmarks.calibration.store import sources_digest
 from benchmarks.measured.__main__ import cases_of
 from benchmarks.sections import put
-from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
 from harness.identify.estimate.forecast import forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import AHEAD, KNOWN
+from harness.identify.validation.forecast_parameters import for_predictions
 from harness.identify.verdict import identify
 from harness.recording import Case, load_case
 
@@ -42,7 +43,7 @@ last third of each), and in what was left out the 3 s after every 2 s are predic
 compared, so that the band is that of a reading: of the prediction and of the sensor's noise together. Intervals (95 %)
 are by bootstrap over windows.
 
-| rig | left out | found | windows | readings within the band | RMS error [mm] | RMS deviation [mm] |
+| rig | left out | predicted with | windows | readings within the band | RMS error [mm] | RMS deviation [mm] |
 |---|---|---|---:|---:|---:|---:|
 """
 
@@ -127,8 +128,11 @@ def main(folder: Path, names: tuple[str, ...], file: Path) -> None:
         with tempfile.TemporaryDirectory(prefix="bands-") as scratch:
             for part, problem, rest in parted(case, Path(scratch)):
                 said = identify(problem)
-                made = list(windows(case, said.problem, said.found, rest))
-                title = " + ".join(f"`{one}`" for one in said.found.hypothesis.names) or "nothing"
+                predicting = for_predictions(said.problem, said.found)
+                made = list(windows(case, said.problem, predicting, rest))
+                title = " + ".join(f"`{one}`" for one in predicting.hypothesis.names) or "nothing"
+                if predicting.estimator is Estimator.FORECASTS:
+                    title += ", fitted to forecasts"
                 lines.append(line(case.name, part, title, made))
                 click.echo(lines[-1], err=True)
                 of_rig += made

@@ -17,13 +17,13 @@ ASKED = 600.0
 """Time beyond which a command asks [s]."""
 MEMORY_ASKED = 4e9
 """Memory beyond which it asks [bytes]; a single run that takes more is refused (`engines.leapfrog.check_steps`)."""
-# Measured on two cores [s]: steps of the engines, PyBullet's being the slowest; diagnoses of one to ten recordings with
-# 300 to 20 000 readings, which take 27 to 230 s. A search that finds much takes twice as long as the line says. Where
-# nothing else runs, five measured rigs (600 to 20 000 readings) took half of what it says, 37 to 132 s; beside so much
-# other work that six processes share two cores, the largest took one and a half times of it.
+# Measured on two cores [s]: steps of the engines, PyBullet's being the slowest; diagnoses of one to 25 recordings with
+# 600 to 17 500 readings. Where nothing else ran, five measured rigs took 0.4 to 0.8 of what the line says (20 to 72 s),
+# and three simulated rigs of 3000 readings, of which little is missing, 0.2 to 0.5 of it (6 to 15 s). On a busy machine
+# it may be twice as much.
 _STEP = {"mujoco": 4e-5}
 _STEP_OTHER = 1.1e-4
-_DIAGNOSIS, _RECORDING, _READING = 60.0, 2.0, 0.01
+_DIAGNOSIS, _RECORDING, _READING = 20.0, 2.0, 0.005
 _TUNED_RUNS = 100.0  # a parameter: through all windows, for screening, fits and held-out blocks
 _HALF_AND_DOUBLE = 2.5
 """Runs at half and at double the time step, which tell the numerical error, in runs of the whole recording."""

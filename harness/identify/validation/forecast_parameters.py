@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.effects import CATALOGUE
-from harness.identify.estimate.block_errors import group_fits, groups_of
+from harness.identify.estimate.block_errors import block_errors, group_fits, groups_of
 from harness.identify.estimate.cross_validation import widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
@@ -17,6 +17,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.selection.candidates import candidates, predicts_poorly, selected_effects
+from harness.identify.validation.baseline_comparison import AFTER, FORECASTS, BaselineComparison
 from harness.metrics.bootstrap import FEWEST
 from harness.numerics import rms
 from harness.progress import Progress, silent
@@ -54,6 +55,18 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     errors = [rms(np.array(window_errors(problem, part, block.held_out))) for part, block in held]
     ratios = [np.abs(normalised_errors(problem, part, block.held_out)) for part, block in held]
     return replace(whole, held_out=tuple(errors), band=widened(ratios) / TWO_SIDED)
+
+
+def for_predictions(problem: Problem, found: Fit) -> Fit:
+    """The fit with which predictions are made: what was found, or the fit to forecasts if it surely predicts better.
+
+    As a diagnosis has them, for who does not compare with the baselines too.
+    """
+    fitted = fitted_to_forecasts(problem, found)
+    if fitted is None:
+        return found
+    compared = BaselineComparison({AFTER: block_errors(problem, found), FORECASTS: np.array(fitted.held_out)})
+    return fitted if compared.predicting == FORECASTS else found
 
 
 def _common(problem: Problem) -> Hypothesis:

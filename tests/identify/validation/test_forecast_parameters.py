@@ -24,7 +24,7 @@ from harness.identify.validation.baseline_comparison import (
     BaselineComparison,
     compare_with_baselines,
 )
-from harness.identify.validation.forecast_parameters import fitted_to_forecasts
+from harness.identify.validation.forecast_parameters import fitted_to_forecasts, for_predictions
 from harness.numerics import rms
 from harness.recording import load_case
 from tests.api.made import nothing_missing
@@ -92,6 +92,12 @@ def test_only_a_sure_gain_is_used() -> None:
     assert BaselineComparison({AFTER: BLOCKS, FORECASTS: either}).predicting == AFTER
     assert BaselineComparison({AFTER: BLOCKS[:3], FORECASTS: better[:3]}).predicting == AFTER
     assert BaselineComparison({AFTER: BLOCKS}).predicting == AFTER
+
+
+def test_what_a_diagnosis_would_predict_with(rolling: tuple[Posed, Fit]) -> None:
+    """Leave a fit that predicts as well as a complete model alone."""
+    posed, found = rolling
+    assert for_predictions(posed.problem, found) is found
 
 
 def test_baselines_are_compared_with_what_predicts() -> None:
@@ -162,6 +168,7 @@ def test_a_ball_that_a_controller_holds_is_predicted_better_than_at_rest() -> No
     made = compare_with_baselines(problem, base, found, fitted_to_forecasts(problem, found))
     assert made is not None
     assert made.predicting == FORECASTS
+    assert for_predictions(problem, found).estimator is Estimator.FORECASTS
     assert made.rms(AFTER) > made.rms("at_rest")
     margin = made.margin("at_rest")
     assert margin is not None
