@@ -31,13 +31,15 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     It has the effects found. Where none was found it has those that are common on measured rigs, as what they have in
     common with what acts may help a prediction though no single one is surely there.
 
-    `None` where what was found predicts as well as a complete model would, where there are too few blocks, and for
-    curves and values that recordings have of their own, which a few windows tell nothing about.
+    `None` where what was found by likelihood predicts as well as a complete model would, where there are too few
+    blocks, and for curves and values that recordings have of their own, which a few windows tell nothing about.
 
     Args:
         found: fit to all recordings, with the identified terms.
     """
-    if found.hypothesis.own or found.hypothesis.spline or not predicts_poorly(problem, found):
+    if found.hypothesis.own or found.hypothesis.spline:
+        return None
+    if found.estimator is Estimator.LIKELIHOOD and not predicts_poorly(problem, found):
         return None
     blocks = sum(len(each) for _, each in groups_of(problem.recordings))
     hypotheses = [found.hypothesis] if selected_effects(problem, found) else [_common(problem), found.hypothesis]
