@@ -24,6 +24,7 @@ from benchmarks.sections import put
 from harness.identify.estimate.forecast import forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
+from harness.identify.validation.forecast_parameters import for_predictions
 from harness.identify.verdict import identify
 from harness.recording import load_case
 from harness.simulator import write_case
@@ -75,7 +76,7 @@ def measured(trial: Trial) -> Row:
     known = replace(recording, position=np.where(after <= 0.0, recording.position, np.nan))
     problem = said.problem  # with the roughness of the beam that the search found
     prepared = PreparedRecording.of(problem.observed(known, case.sensors)).rougher(problem.roughness)
-    predicted = forecast(problem, said.found, prepared, prepared.reading)
+    predicted = forecast(problem, for_predictions(problem, said.found), prepared, prepared.reading)
     table = predicted.table()
     inside = (truth >= table["low_m"]) & (truth <= table["high_m"])
     begins = (0.0, *AHEAD[:-1])

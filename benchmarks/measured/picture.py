@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,8 @@ from benchmarks.measured.page import LABELS
 from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.estimate.block_errors import group_fits
-from harness.identify.estimate.fit import Estimator
 from harness.identify.filter.run import Excerpt, run_parts
-from harness.identify.model_file import observed_for, prepared_for, read_model
+from harness.identify.model_file import observed_for, prepared_for, read_forecasting
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.record import BaselinesRecord
 from harness.identify.validation.baseline_comparison import AFTER, BASELINES, BEFORE, FORECASTS
@@ -57,9 +55,7 @@ def draw_windows(case: Case, diagnosis: LoadedDiagnosis, path: Path) -> Path:
     model = diagnosis.record.model
     recording = case.recordings[case.identify[0]]
     record = prepared_for(model, observed_for(model, recording, diagnosis.sensors))
-    problem, found = read_model(model, record, str(diagnosis.origin))
-    if model.forecast is not None:
-        found = replace(found, estimator=Estimator.FORECASTS)
+    problem, found = read_forecasting(model, record, str(diagnosis.origin))
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     axes = figure.add_subplot()
     origin = record.time[0]

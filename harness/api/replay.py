@@ -36,7 +36,7 @@ _APART = ("ledger", "fits", "found", "problem", "inputs", "failures", "wall_time
 _SPARED = {
     "engines": "errors of the engines (--engines runs them)",
     "also": "errors on further recordings, and findings about the input",
-    "covariance": "standard errors of fits to free runs, on which the intervals rest",
+    "covariance": "standard errors and band of fits to free runs, on which the intervals rest",
     "failures": "parts that failed, on which what was left out rests",
 }
 
@@ -221,8 +221,13 @@ def differences(
     elif _listed(recorded) and _listed(now) and len(recorded) == len(now):
         for at, (one, other) in enumerate(zip(recorded, now, strict=True)):
             yield from differences(one, other, spared, (*where, str(at)))
-    elif not _alike(recorded, now, _REFITTED if where[0] in _AFTER_FITS else _EXACT):
+    elif not _alike(recorded, now, _REFITTED if _after_fits(where) else _EXACT):
         yield _mismatch(".".join(where), f"is {_said(now)}, recorded {_said(recorded)}")
+
+
+def _after_fits(where: tuple[str, ...]) -> bool:
+    """Whether what is at this key follows from fits that a replay makes again, not from recorded parameters alone."""
+    return where[0] in _AFTER_FITS or where[:2] == ("model", "forecast")
 
 
 def _listed(value: Any) -> bool:

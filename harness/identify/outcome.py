@@ -61,10 +61,11 @@ def contradiction(problem: Problem, selection: Selection, failures: Iterable[Fai
 
 def _is(found: Fit, one: Fit) -> bool:
     """Whether the result is a certain fit, or this with the band of its predictions, which no decision depends on."""
-    if found is one or not found.held_out:
-        return found is one
-    same = found.hypothesis == one.hypothesis and found.estimator is one.estimator and found.held_out == one.held_out
-    return same and np.array_equal(found.theta, one.theta)
+    if found is one:
+        return True
+    parts = [(fit.hypothesis, fit.estimator, fit.held_out, fit.process_noise) for fit in (found, one)]
+    same = bool(found.held_out) and parts[0] == parts[1] and np.array_equal(found.theta, one.theta)
+    return same and np.array_equal(found.covariance, one.covariance, equal_nan=True)
 
 
 def _possible_results(problem: Problem, selection: Selection) -> list[Fit]:

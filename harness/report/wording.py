@@ -191,7 +191,8 @@ def _fitted_to_forecasts(diagnosis: Diagnosis) -> str:
     if compared is None or compared.predicting != FORECASTS:
         return ""
     without, fitted = error_size(compared.rms(AFTER)), error_size(compared.rms(FORECASTS))
-    what = "parameters" if diagnosis.effects else "effects that are common on measured rigs,"
+    common = diagnosis.forecasting is not None and diagnosis.forecasting.hypothesis != diagnosis.found.hypothesis
+    what = "all effects that are common on measured rigs, together" if common else "parameters"
     return f"; predictions use {what} fitted to forecasts ({fitted} over held-out blocks, {without} without)"
 
 

@@ -80,7 +80,10 @@ def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) ->
         "rms_m": plain.rms_m | {FORECASTS: 0.005},
         "errors_m": plain.errors_m | {FORECASTS: (0.005,) * 4},
     }
-    for used, told, ratio in ((FORECASTS, "rig use them.", 0.25), (AFTER, "rig do not, as it is not sure", 0.5)):
+    for used, told, ratio in (
+        (FORECASTS, "rig use them.", 0.25),
+        (AFTER, "rig do not use them: ", 0.5),
+    ):
         changed = {"baselines": plain.model_copy(update=more | {"predicting": used})}
         other = Rig(rig.case, LoadedDiagnosis(rig.diagnosis.record.model_copy(update=changed), MEASURED))
         text = page(other)

@@ -30,7 +30,8 @@ _MOST_STEPS = 30
 def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fit:
     """The hypothesis of `begin`, its parameters and process noise fitted to forecasts of `windows`.
 
-    The loss is the soft L1 of `fit_free_runs`. The covariance is that of an M-estimator with windows as clusters.
+    The loss is the soft L1, with c of the errors that `begin` makes. The covariance is that of an M-estimator with
+    windows as clusters.
 
     Args:
         begin: a fit without a spline term, and without values that recordings have of their own.
@@ -69,6 +70,7 @@ def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fi
         found,
         covariance=_covariance(found, problem, windows, jacobian(done.x)[:, :-1] * weight[:, None], weight),
         deviance=np.nan,
+        quiet_deviance=np.inf,
         estimator=Estimator.FORECASTS,
         held_out=(),
         band=1.0,

@@ -11,15 +11,15 @@ _MEDIAN = 0.6745  # median absolute value of a standard normal variable
 
 
 def scale_of(residual: FloatArray) -> float:
-    """c: the standard deviation that the median residual has of normal ones [m]."""
+    """c: the standard deviation that the median of residuals [m], any shape, has of normal ones [m]."""
     return max(float(np.median(np.abs(residual))) / _MEDIAN, _LEAST_SCALE)
 
 
 def loss(residual: FloatArray, scale: float) -> float:
-    """Sum of the losses with c = `scale` [m²]."""
+    """Sum of the losses of residuals [m], any shape, with c = `scale` [m]; in m²."""
     return float(np.sum(2.0 * scale**2 * (np.sqrt(1.0 + (residual / scale) ** 2) - 1.0)))
 
 
 def weights(residual: FloatArray, scale: float) -> FloatArray:
-    """Roots of the weights with which least squares follow the loss, same shape."""
+    """Roots of the weights [1] with which least squares follow the loss of residuals [m], same shape."""
     return np.asarray((1.0 + (residual / scale) ** 2) ** -0.25)

@@ -85,7 +85,8 @@ class ColourRecord(RecordPart):
 class ForecastRecord(RecordPart):
     """What predictions use in place of the same of the model: fitted to forecasts, and surely better at these.
 
-    The effects are those of the model, or, where nothing was found, such as are common on measured rigs.
+    The effects are those of the model, or, where nothing was found and there were blocks enough, also those that are
+    common on measured rigs.
     """
 
     effects: tuple[str, ...]

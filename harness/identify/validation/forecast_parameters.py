@@ -1,4 +1,4 @@
-"""Parameters that are for predictions alone: fitted to forecasts, where what was found predicts poorly."""
+"""Parameters that are for predictions alone: fitted to forecasts, where physics is missing for certain."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.selection.candidates import candidates, predicts_poorly, selected_effects
+from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import AFTER, FORECASTS, BaselineComparison
 from harness.metrics.bootstrap import FEWEST
 from harness.numerics import rms
@@ -29,21 +30,27 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     """The fit to forecasts of all windows, with its errors of held-out blocks and the band of its predictions.
 
     It has the effects found. Where none was found it has those that are common on measured rigs, as what they have in
-    common with what acts may help a prediction though no single one is surely there.
+    common with what acts may help a prediction though no single one is surely there; with too few blocks for these,
+    the quantities of the rig alone that are not known.
 
-    `None` where what was found by likelihood predicts as well as a complete model would, where there are too few
-    blocks, and for curves and values that recordings have of their own, which a few windows tell nothing about.
+    `None` where what was found by likelihood lacks nothing that the readings show, or predicts as well as a complete
+    model would; where there are too few blocks; for curves and values that recordings have of their own, which a few
+    windows tell nothing about; and where the windows do not tell how sure the parameters are.
+
+    Each fit without blocks begins, as those to free runs do, from the values of the fit to all.
 
     Args:
         found: fit to all recordings, with the identified terms.
     """
     if found.hypothesis.own or found.hypothesis.spline:
         return None
-    if found.estimator is Estimator.LIKELIHOOD and not predicts_poorly(problem, found):
-        return None
+    if found.estimator is Estimator.LIKELIHOOD:
+        lacks = not Criterion(problem.settings).below_noise_floor(problem, found)
+        if not (lacks and predicts_poorly(problem, found)):
+            return None
     blocks = sum(len(each) for _, each in groups_of(problem.recordings))
     hypotheses = [found.hypothesis] if selected_effects(problem, found) else [_common(problem), found.hypothesis]
-    enough = [one for one in hypotheses if 0 < one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0]
+    enough = [one for one in hypotheses if 0 < one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0 and not one.own]
     if blocks < FEWEST or not enough:
         return None
     progress("parameters for predictions: fits to forecasts")
@@ -52,6 +59,8 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     if hypothesis != found.hypothesis:
         begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
     whole = fit_forecasts(problem, begin, windows)
+    if not np.all(np.isfinite(whole.covariance)):
+        return None
     parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS))
     held = [(part, block) for part, each in parts for block in each]
     errors = [rms(np.array(window_errors(problem, part, block.held_out))) for part, block in held]

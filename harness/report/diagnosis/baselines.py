@@ -16,6 +16,7 @@ from harness.identify.validation.baseline_comparison import (
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table, texts
+from harness.report.wording import words
 
 TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
@@ -41,12 +42,21 @@ def section(account: Account) -> Section | None:
         "tried": FORECASTS in compared.errors,
         "used": compared.predicting == FORECASTS,
         "found": bool(account.diagnosis.effects),
+        "common": [words(name) for name in _common(account)],
         "known": brief(KNOWN),
         "ahead": brief(AHEAD),
         "blocks": compared.blocks,
         "table": _table(compared),
     }
     return Section("baselines", "Baselines", "Baselines", "diagnosis/baselines.html", context)
+
+
+def _common(account: Account) -> Sequence[str]:
+    """Effects that predictions use though they were not found."""
+    diagnosis = account.diagnosis
+    if diagnosis.forecasting is None:
+        return ()
+    return [name for name in diagnosis.forecasting.hypothesis.names if name not in diagnosis.found.hypothesis.names]
 
 
 def short_title(name: str) -> str:

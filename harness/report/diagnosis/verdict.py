@@ -213,13 +213,14 @@ def _picture(account: Account) -> plots.Picture:
         f"{look.label} {error_size(rms((one.position - shown.reading)[judged])) if judged.any() else NONE}"
         for one, look in runs
     ]
+    others = "" if account.diagnosis.forecasting is None else "; predictions of other recordings use others"
     return plots.picture(
         before_after(account, runs),
         f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
         f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
         f"(shaded). RMS error after them: {', '.join(ends)}. Band: ± 2 σ of the last of them, below including reading "
         "noise. Parameters are those of the verdict, fitted to this recording "
-        "too; for held-out errors see below.",
+        f"too{others}; for held-out errors see below.",
         chart(account, runs),
         "Triangles: a line leaves the frame.",
     )

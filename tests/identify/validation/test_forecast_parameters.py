@@ -71,6 +71,14 @@ def test_few_blocks_teach_nothing(rolling: tuple[Posed, Fit], wrong: Fit) -> Non
     assert fitted_to_forecasts(replace(posed.problem, recordings=short), wrong) is None
 
 
+def test_without_blocks_for_common_effects_the_rig_alone_is_fitted(rolling: tuple[Posed, Fit]) -> None:
+    """Fit what is unknown of the rig where nothing was found and eight blocks do not suffice for four effects more."""
+    problem = replace(rolling[0].problem, unknown=("angle_gain",))
+    made = fitted_to_forecasts(problem, fit(problem, Hypothesis(problem.unknown)))
+    assert made is not None
+    assert made.hypothesis.names == problem.unknown
+
+
 def test_held_out_blocks_are_predicted_better(rolling: tuple[Posed, Fit], wrong: Fit, forecasting: Fit) -> None:
     """Predict blocks that had no part in the fit with a tenth of the error that the wrong friction makes."""
     posed, _ = rolling
