@@ -51,15 +51,15 @@ def contradiction(problem: Problem, selection: Selection, failures: Iterable[Fai
     if any(one.part is Part.SEARCH for one in failures):
         return ""
     found, results = selection.found, _possible_results(problem, selection)
-    if any(_is(found, one) for one in results):
+    if any(_same_fit(found, one) for one in results):
         return ""
-    named = any(_is(found, one) for line in selection.ledger for one in (line.fit, line.against))
+    named = any(_same_fit(found, one) for line in selection.ledger for one in (line.fit, line.against))
     if selection.ledger and not named and _better(problem, found, results[0]):
         return ""
     return f"{title(found)}, but the decisions of the ledger lead to {title(results[0])}"
 
 
-def _is(found: Fit, one: Fit) -> bool:
+def _same_fit(found: Fit, one: Fit) -> bool:
     """Whether the result is a certain fit, or this with the band of its predictions, which no decision depends on."""
     if found is one:
         return True

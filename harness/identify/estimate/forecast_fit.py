@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
-from harness.identify.estimate.soft_l1 import scale_of, weights
+from harness.identify.estimate.soft_l1 import sandwich_covariance, scale_of, weights
 from harness.identify.estimate.window_errors import DENSITIES, forecast_errors
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
@@ -30,8 +30,7 @@ _MOST_STEPS = 30
 def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fit:
     """The hypothesis of `begin`, its parameters and process noise fitted to forecasts of `windows`.
 
-    The loss is the soft L1, with c of the errors that `begin` makes. The covariance is that of an M-estimator with
-    windows as clusters.
+    The loss is the soft L1, with c of the errors that `begin` makes.
 
     Args:
         begin: a fit without a spline term, and without values that recordings have of their own.
@@ -64,27 +63,16 @@ def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fi
         errors, start, jacobian, (low, high), x_scale="jac", loss="soft_l1", f_scale=scale,
         ftol=_CONVERGED, xtol=_CONVERGED, max_nfev=_MOST_STEPS,
     )  # fmt: skip
-    found = at(done.x)
-    weight = weights(errors(done.x), scale)
+    weight = weights(done.fun, scale)
+    slopes = jacobian(done.x)[:, :-1] * weight[:, None]  # at this process noise
+    begins = np.cumsum([0, *(int(window.judged.sum()) for window in windows[:-1])])
+    scores = np.add.reduceat(slopes * (weight * done.fun)[:, None], begins, axis=0)
     return replace(
-        found,
-        covariance=_covariance(found, problem, windows, jacobian(done.x)[:, :-1] * weight[:, None], weight),
+        at(done.x),
+        covariance=sandwich_covariance(slopes, scores, hypothesis.scale(problem)),
         deviance=np.nan,
         quiet_deviance=np.inf,
         estimator=Estimator.FORECASTS,
         held_out=(),
         band=1.0,
     )
-
-
-def _covariance(
-    found: Fit, problem: Problem, windows: Sequence[Window], jacobian: FloatArray, weight: FloatArray
-) -> FloatArray:
-    """Sandwich covariance of the parameters in their units, at this process noise, shape (k, k)."""
-    of_windows = forecast_errors(problem, found, windows)
-    begins = np.cumsum([0, *map(len, of_windows)])[:-1]
-    scores = np.add.reduceat(jacobian * (weight * np.concatenate(of_windows))[:, None], begins, axis=0)
-    bread = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)
-    scale = found.hypothesis.scale(problem)
-    correction = len(windows) / max(len(windows) - len(found.theta), 1)
-    return np.asarray(correction * (bread @ (scores.T @ scores) @ bread) * np.outer(scale, scale))

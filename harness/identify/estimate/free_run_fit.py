@@ -22,7 +22,7 @@ from scipy.optimize import lsq_linear
 from analytic.motion import FloatArray
 from harness.identify.estimate.fit import PROCESS_NOISE, Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
-from harness.identify.estimate.soft_l1 import loss, scale_of, weights
+from harness.identify.estimate.soft_l1 import loss, sandwich_covariance, scale_of, weights
 from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.problem.hypothesis import Hypothesis, own_key
 from harness.identify.problem.problem import Problem
@@ -265,7 +265,6 @@ def _jacobian(runs: FreeRuns, hypothesis: Hypothesis, point: _Point, width: floa
 
 def _covariance(runs: FreeRuns, hypothesis: Hypothesis, point: _Point) -> FloatArray:
     """Sandwich covariance of the parameters in their units, shape (k, k); infinite where free runs beside them are."""
-    count = runs.windows
     weight = weights(point.residual, scale_of(point.residual))
     columns = np.column_stack((point.residual, _jacobian(runs, hypothesis, point, _NARROW))) * weight[:, None]
     projected, _ = runs.project(point.slopes * weight[:, None], columns)
@@ -273,7 +272,4 @@ def _covariance(runs: FreeRuns, hypothesis: Hypothesis, point: _Point) -> FloatA
         return np.diag(np.full(len(point.theta), np.inf))
     residual, jacobian = projected[:, 0], projected[:, 1:]
     scores = runs.sums(jacobian * residual[:, None])
-    bread = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)
-    scale = hypothesis.scale(runs.problem)
-    correction = count / max(count - len(point.theta), 1)
-    return np.asarray(correction * (bread @ (scores.T @ scores) @ bread) * np.outer(scale, scale))
+    return sandwich_covariance(jacobian, scores, hypothesis.scale(runs.problem))

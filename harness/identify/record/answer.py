@@ -153,8 +153,8 @@ class BaselinesRecord(RecordPart):
     """Held-out blocks predicted by the model, `before` and `after`, and by the baselines.
 
     `errors_m` has the RMS error of every block by source, `rms_m` that over all blocks. Windows of `known_s` and then
-    `ahead_s` that overlap are one block. The source `fitted_to_forecasts` is `after` with other parameters; with that
-    named by `predicting` predictions are made, and the baselines are compared.
+    `ahead_s` that overlap are one block. The source `fitted_to_forecasts` has parameters that are for predictions
+    alone; with the source that `predicting` names predictions are made, and the baselines are compared.
     """
 
     known_s: Finite

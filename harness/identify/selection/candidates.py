@@ -47,6 +47,11 @@ def candidates(problem: Problem) -> tuple[str, ...]:
     )
 
 
+def common_effects(problem: Problem) -> tuple[str, ...]:
+    """The candidates that are common on measured rigs."""
+    return tuple(name for name in candidates(problem) if CATALOGUE[name].relations.common)
+
+
 def hidden_by(unknown: Sequence[str]) -> tuple[str, ...]:
     """Effects that cannot be separated from the `unknown` rig quantities, whose estimates absorb them.
 

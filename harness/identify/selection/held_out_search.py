@@ -26,7 +26,7 @@ from harness.identify.estimate.window_errors import tuned_to_windows, window_err
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window, blocks_of, fitted_windows, windows_of
-from harness.identify.selection.candidates import candidates, fitted_each, selected_effects
+from harness.identify.selection.candidates import candidates, common_effects, fitted_each, selected_effects
 from harness.identify.selection.decision import Evidence, Rule
 from harness.identify.selection.ledger import Ledger
 from harness.parallel import can_fork
@@ -98,7 +98,7 @@ class _Search:
         first = self._fitted([(base.hypothesis, base)])[0]
         self._scale = first.scale
         plain = cross_validated(problem, first.fit, jobs=self.jobs)
-        common = [name for name in candidates(problem) if CATALOGUE[name].relations.common]
+        common = common_effects(problem)
         fits = {frozenset[str](): first}
         for size in range(1, len(common) + 1):
             # From each of the fits with one effect less: where the ball stops there are local minima.

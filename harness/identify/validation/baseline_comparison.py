@@ -26,8 +26,7 @@ BASELINES = tuple(FITS)
 class BaselineComparison:
     """RMS error of every held-out block by source, shape (blocks,) each [m].
 
-    Sources are the model before and after, the model after with parameters fitted to forecasts where there is such a
-    fit, and the baselines.
+    Sources are the model before and after, the model fitted to forecasts where there is such a fit, and the baselines.
     """
 
     errors: Mapping[str, FloatArray]

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.effects import CATALOGUE
 from harness.identify.estimate.block_errors import block_errors, group_fits, groups_of
 from harness.identify.estimate.cross_validation import widened
 from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
@@ -16,7 +15,7 @@ from harness.identify.estimate.window_errors import normalised_errors, window_er
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
-from harness.identify.selection.candidates import candidates, predicts_poorly, selected_effects
+from harness.identify.selection.candidates import common_effects, predicts_poorly, selected_effects
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import AFTER, FORECASTS, BaselineComparison
 from harness.metrics.bootstrap import FEWEST
@@ -49,7 +48,9 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
         if not (lacks and predicts_poorly(problem, found)):
             return None
     blocks = sum(len(each) for _, each in groups_of(problem.recordings))
-    hypotheses = [found.hypothesis] if selected_effects(problem, found) else [_common(problem), found.hypothesis]
+    hypotheses = [found.hypothesis]
+    if not selected_effects(problem, found):
+        hypotheses.insert(0, Hypothesis((*problem.unknown, *common_effects(problem))))
     enough = [one for one in hypotheses if 0 < one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0 and not one.own]
     if blocks < FEWEST or not enough:
         return None
@@ -78,9 +79,3 @@ def for_predictions(problem: Problem, found: Fit) -> Fit:
         return found
     compared = BaselineComparison({AFTER: block_errors(problem, found), FORECASTS: np.array(fitted.held_out)})
     return fitted if compared.predicting == FORECASTS else found
-
-
-def _common(problem: Problem) -> Hypothesis:
-    """The stand-ins for unknown rig quantities, and the candidates that are common on measured rigs."""
-    common = [name for name in candidates(problem) if CATALOGUE[name].relations.common]
-    return Hypothesis((*problem.unknown, *common))
