@@ -32,7 +32,7 @@ FAULTY = 120
 
 # What cannot be a false alarm: it says what is there, or what the rig file has not.
 DETECTORS = (
-    *("stuck-position", "zeros", "clipped", "jump", "lost-rows", "stuck-angle"),
+    *("stuck-position", "zeros", "clipped", "jump", "lost-rows", "stuck-angle", "end-stop"),
     *("position-noise", "angle-noise", "rate", "angle-sign", "swapped-columns"),
     *("angle-unit", "position-unit", "time-unit", "units"),
 )
@@ -136,6 +136,25 @@ def _lose(seconds: float) -> Change:
     return change
 
 
+def _stops(share: float) -> Change:
+    def change(one: Sample, generator: np.random.Generator) -> Sample:
+        """The ball anew, under the same angle, between stops within which it was for this share of the readings."""
+        low, high = np.nanquantile(one.position, (0.5 - 0.5 * share, 0.5 + 0.5 * share))
+        speed, s = 0.0, float(np.clip(one.position[np.isfinite(one.position)][0], low, high))
+        path = np.empty_like(one.time)
+        for i, step in enumerate(np.diff(one.time, prepend=one.time[0])):
+            speed += 0.6 * 9.81 * float(one.angle[i]) * step
+            s += speed * step
+            path[i] = s = float(np.clip(s, low, high))
+            if (s == low and speed < 0.0) or (s == high and speed > 0.0):
+                speed *= -0.3 if abs(speed) > 0.02 else 0.0
+        noisy = path + generator.normal(0.0, one.sensors.position_noise or 3e-4, len(path))
+        resolution = one.sensors.position_resolution
+        return replace(one, position=np.round(noisy / resolution) * resolution if resolution else noisy)
+
+    return change
+
+
 def _declare(factor: float | None, value: float = 0.0) -> Change:
     def change(one: Sample, _: np.random.Generator) -> Sample:
         noise = value if factor is None else factor * (one.sensors.position_noise or 0.0)
@@ -158,6 +177,7 @@ FAULTS: Mapping[str, tuple[Change, frozenset[str]]] = {
     "jump of 100 mm, lasting": (_jump(0.1, None), frozenset({"jump"})),
     "clipped, 10 % of the readings": (_clip(0.1), frozenset({"clipped"})),
     "clipped, 25 % of the readings": (_clip(0.25), frozenset({"clipped"})),
+    "end stops at the inner 80 % of the readings": (_stops(0.8), frozenset({"end-stop"})),
     "0.5 s of rows lost, renumbered": (_lose(0.5), frozenset({"lost-rows", "jump"})),
     "1 s of rows lost, renumbered": (_lose(1.0), frozenset({"lost-rows", "jump"})),
     "rate × 1.2": (lambda one, _: replace(one, time=one.time / 1.2), frozenset({"rate"})),
@@ -245,7 +265,7 @@ _TEXT = """\
 ## Detectors
 
 Made by `python -m benchmarks.detectors`. What each of them looks at, with its threshold, is in the head of its module
-in `harness/recording/` (`frozen`, `jumps`, `stuck_angle`, `noise`, `rate`, `plausibility`).
+in `harness/recording/` (`frozen`, `jumps`, `stuck_angle`, `end_stops`, `noise`, `rate`, `plausibility`).
 
 **False alarms** on clean recordings: of the blind trials of the [calibration](calibration.md), with and without effects
 of the catalogue and unlisted ones, with imperfections of real rigs (lags, drop-outs, spikes, worn tracks, uneven

@@ -56,7 +56,8 @@ def _bent(power: int) -> Bounds:
     """Bounds of the curve's term of this power: with both at their bounds it still rises everywhere along the track."""
 
     def bounds(visited: FloatArray, rig: Rig) -> tuple[float, float]:
-        most = _MOST / (power * float(np.percentile(np.abs(visited), 99.5)) ** (power - 1))
+        farthest = max(float(np.percentile(np.abs(visited), 99.5)), 1e-3)  # a ball may rest at the origin [m]
+        most = _MOST / (power * farthest ** (power - 1))
         return -most, most
 
     return bounds

@@ -108,10 +108,13 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
 
     rig, sensors = rig or KnownRig(), sensors or Sensors()
     resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
+    gravity = rig.gravity or STANDARD_GRAVITY
     steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level error and track slope may add a degree
-    fastest = (rig.gravity or STANDARD_GRAVITY) * steepest
+    fastest = gravity * steepest
     outlier = spikes(time, position, resolution=resolution, acceleration=fastest)
-    aside = set_aside(time, angle, position, outlier, rows, resolution=resolution, acceleration=fastest)
+    aside = set_aside(
+        time, angle, position, outlier, rows, resolution=resolution, acceleration=fastest, gravity=gravity
+    )
     findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
     if "position" in columns:
         header, read = columns["position"].header, np.isfinite(position) & ~aside.mask

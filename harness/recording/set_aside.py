@@ -1,9 +1,9 @@
 """Readings that are left out of every fit, because a sensor was wrong there, and what is said of them.
 
 A stretch in which the position's sensor was stuck, gave zeros, was clipped, or was offset for a while is left out.
-Where an offset stays, rows are lost, or the angle's sensor was stuck, no model can be run across the place: only the
-longest part of the recording without such a place is used. Behind an offset that stays the position has another origin,
-which acts on the ball as a level would, so that a part before it may be shorter.
+Where an offset stays, rows are lost, the angle's sensor was stuck, or the ball touches an end stop, no model can be run
+across the place: only the longest part of the recording without such a place is used. Behind an offset that stays the
+position has another origin, which acts on the ball as a level would, so that a part before it may be shorter.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.recording.findings import rows_text
+from harness.recording.end_stops import Contact, end_stops
+from harness.recording.findings import MAX_PLACES, rows_text
 from harness.recording.frozen import Fault, Run, frozen
 from harness.recording.jumps import Jump, jumps
 from harness.recording.sampling import too_short
@@ -76,6 +77,7 @@ def set_aside(
     *,
     resolution: float,
     acceleration: float,
+    gravity: float,
 ) -> SetAside:
     """Find what is to be left out.
 
@@ -87,6 +89,7 @@ def set_aside(
         rows: of the file, shape (n,).
         resolution: of the positions [m], 0 if unknown.
         acceleration: largest possible acceleration of the ball [m/s²].
+        gravity: g [m/s²].
     """
     usable = np.isfinite(position) & ~spike
     mask = np.zeros(len(time), dtype=np.bool_)
@@ -112,20 +115,25 @@ def set_aside(
             "the beam turned: the sensor was stuck."
         )
         breaks.append(_Break(first, last + 1, "stuck-angle", "angle", text))
-    kept = _longest(breaks, usable & ~mask)
+    told = [Faulty(one.code, one.channel, one.text) for one in breaks]
+    spans = [(one.first, one.last) for one in breaks]
+    contacts = end_stops(time, angle, position, usable & ~mask, resolution=resolution, gravity=gravity)
+    if contacts:
+        told.append(Faulty("end-stop", "position", _contacts_text(contacts, time, rows)))
+        spans += [(one.first, one.last + 1) for one in contacts]
+    shifted = min((one.first for one in breaks if one.code == "jump"), default=len(time))
+    kept = _longest(spans, shifted, usable & ~mask)
     used = f"Only {rows_text(rows[kept])} are used; save the parts as recordings of their own to use all of them."
     if too_short(time[kept]):
         kept = slice(0, len(time))
         used = "The parts are too short to be used alone, so that all is used; check the sensors."
-    faults += [Faulty(one.code, one.channel, f"{one.text} {used}") for one in breaks]
+    faults += [one._replace(text=f"{one.text} {used}") for one in told]
     return SetAside(mask, kept, tuple(faults))
 
 
-def _longest(breaks: Sequence[_Break], usable: NDArray[np.bool_]) -> slice:
-    """The part between breaks that has the most usable positions; those with another origin count less."""
-    shifted = min((one.first for one in breaks if one.code == "jump"), default=len(usable))
-    ordered = sorted(breaks, key=lambda one: one.first)
-    edges = [0, *(edge for one in ordered for edge in (one.first, one.last)), len(usable)]
+def _longest(spans: Sequence[tuple[int, int]], shifted: int, usable: NDArray[np.bool_]) -> slice:
+    """The part between spans that has the most usable positions; from `shifted` on, with another origin, less so."""
+    edges = [0, *(edge for span in sorted(spans) for edge in span), len(usable)]
     parts = [slice(first, last) for first, last in list(pairwise(edges))[::2]]
     return max(parts, key=lambda part: usable[part].sum() * (1.0 if part.stop <= shifted else SHIFTED))
 
@@ -150,6 +158,16 @@ def _there_and_back(one: Jump, back: Jump, time: FloatArray, rows: NDArray[np.in
         f"jumps by {1e3 * one.size:.2g} mm at t = {time[one.at]:.4g} s and back at t = {time[back.at]:.4g} s "
         f"({rows_text(rows[one.at : back.at])}), which no ball can do. These readings are left out of all fits."
     )
+
+
+def _contacts_text(contacts: Sequence[Contact], time: FloatArray, rows: NDArray[np.intp]) -> str:
+    told = [
+        f"{'lies against' if one.rests else 'bounces from'} the one at {one.stop:.3g} m "
+        f"at t = {time[one.first]:.4g} to {time[one.last]:.4g} s ({rows_text(rows[one.first : one.last + 1])})"
+        for one in contacts[:MAX_PLACES]
+    ]
+    more = f"; and at {len(contacts) - MAX_PLACES} more places" if len(contacts) > MAX_PLACES else ""
+    return f"the ball touches end stops, which no model has: it {'; '.join(told)}{more}."
 
 
 def _break(one: Jump, time: FloatArray, rows: NDArray[np.intp]) -> _Break:

@@ -152,6 +152,16 @@ def test_a_place_is_a_place(effect: Effect) -> None:
 
 
 @pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
+def test_bounds_are_those_of_a_range_wherever_the_ball_was(effect: Effect) -> None:
+    """Give every parameter a lower and an upper bound, also for a ball that never left the origin."""
+    for visited in (np.zeros(5), np.linspace(-0.2, 0.4, 5)):
+        for parameter in effect.parameters:
+            low, high = parameter.bounds_on(visited, RIG)
+            assert np.isfinite([low, high]).all()
+            assert low < high, (parameter.name, visited)
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
 def test_what_holds_a_ball_at_rest_is_set_valued(effect: Effect) -> None:
     """Be marked as dry if, and only if, the law limits a force at rest."""
     p = parameters_with(CAM, RIG, at(effect))

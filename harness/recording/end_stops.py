@@ -1,0 +1,176 @@
+"""Where the ball lies against an end stop, or bounces from one: no model has the force that holds or throws it.
+
+On a tilted beam a free ball leaves any band of positions soon: within T at the latest, where a T²/8 is the width of the
+band, even if it was thrown uphill. One that stays at an end of its travel for longer, while the beam falls outwards by
+more than friction can hold a rolling ball, lies against a stop. At an impact the velocity turns inwards, in less than
+0.1 s, by more than the steepest tilt of the recording could turn it. An angle that is not the beam's, as that of a
+motor before a linkage, makes any tilt look steep: the ball has to follow the tilt in the rest of the recording.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+from harness.recording.noise import noise_of
+
+STEEP = 0.05  # rad, 3°: a rolling ball that friction holds there is none of steel on metal
+LEAST, MOST = 0.4, 0.8  # a ball's acceleration over g α
+RESPONDS = 0.2  # acceleration over g α, both at the 90th percentile of their sizes, of a ball that follows the tilt
+SHORTEST = 0.4  # of a rest [s]
+FEWEST = 8  # readings of a rest
+SIGMAS = 4.0  # of the noise, about the mean of a rest
+BAND = 0.01  # of the range of the positions, at least, on either side of it
+INSIDE = 0.95  # share of a rest's readings in the band
+END = 0.02  # of the range: how far from the extreme position an end stop may be
+NEAR = 0.05  # of the range: a ball that bounces from a stop and comes back is as near as this
+SPAN, FEWEST_OF_LINE = 0.1, 5  # of the lines before and after an impact [s], readings
+KICK = 0.1  # m/s that a jerk of the beam may give the ball
+T_VALUE = 6.0  # of the change of velocity
+FOLLOWING = 0.5  # windows in which it is looked whether the ball follows the tilt [s]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Readings `first` to `last`, both included, near an end stop that the ball touches.
+
+    Attributes:
+        first, last: readings.
+        stop: position of the ball at the stop [m].
+        rests: whether it lies there; else it bounces.
+    """
+
+    first: int
+    last: int
+    stop: float
+    rests: bool
+
+
+def end_stops(
+    time: FloatArray,
+    angle: FloatArray,
+    position: FloatArray,
+    usable: NDArray[np.bool_],
+    *,
+    resolution: float,
+    gravity: float,
+) -> tuple[Contact, ...]:
+    """All contacts with end stops, in order; none if the ball does not follow the tilt elsewhere.
+
+    A stop is found by a rest or an impact that nothing else explains; then all that comes as far is a contact.
+
+    Args:
+        time: strictly increasing, shape (n,) [s].
+        angle: shape (n,) [rad].
+        position: shape (n,) [m].
+        usable: positions that are known, no spikes and not set aside, shape (n,).
+        resolution: of the positions [m], 0 if unknown.
+        gravity: g [m/s²].
+    """
+    at = np.flatnonzero(usable)
+    if len(at) < 4 * FEWEST:
+        return ()
+    t, alpha, s = time[at], angle[at], position[at]
+    range_ = float(np.ptp(s))
+    band = max(SIGMAS * noise_of(s) + resolution, BAND * range_)
+    impacts = list(_impacts(t, alpha, s, gravity))
+    found: list[Contact] = []
+    for side in (-1.0, 1.0):
+        places = [s[first : last + 1] for first, last in _rests(t, side * alpha, side * s, band, gravity)]
+        places += [s[i : i + 1] for i in impacts if side * (s[i] - np.median(s)) > 0.0]
+        if places:
+            stop = float(np.median(np.concatenate(places)))
+            found += _contacts(t, side * (s - stop), stop, band, max(band, NEAR * range_))
+    if not found or not _follows(t, alpha, s, found, gravity):
+        return ()
+    contacts = (Contact(int(at[one.first]), int(at[one.last]), one.stop, one.rests) for one in found)
+    return tuple(sorted(contacts, key=lambda one: one.first))
+
+
+def _contacts(t: FloatArray, beyond: FloatArray, stop: float, band: float, near: float) -> Iterator[Contact]:
+    """Stretches in which the ball is near a stop and touches it; `beyond` is how far it is beyond [m]."""
+    for part in _parts(beyond >= -near):
+        touching = [part[run] for run in _parts(beyond[part] >= -band)]
+        if touching:
+            longest = max(float(t[run[-1]] - t[run[0]]) for run in touching)
+            yield Contact(int(part[0]), int(part[-1]), stop, longest >= SHORTEST)
+
+
+def _rests(
+    t: FloatArray, outwards: FloatArray, s: FloatArray, band: float, gravity: float
+) -> Iterator[tuple[int, int]]:
+    """First and last reading of rests at the upper end of `s` that only a stop explains."""
+    end = float(np.max(s)) - max(band, END * float(np.ptp(s)))
+    for part in _parts((outwards >= STEEP) & (s >= end)):
+        lasted = float(t[part[-1]] - t[part[0]])
+        if len(part) < FEWEST or lasted < SHORTEST:
+            continue
+        inside = np.abs(s[part] - np.median(s[part])) <= band
+        if inside.mean() >= INSIDE and LEAST * gravity * float(np.mean(outwards[part])) * lasted**2 > 16.0 * band:
+            yield int(part[0]), int(part[-1])
+
+
+def _impacts(t: FloatArray, alpha: FloatArray, s: FloatArray, gravity: float) -> Iterator[int]:
+    """Readings that are farthest where the ball is thrown back at an end of its travel."""
+    step = float(np.median(np.diff(t)))
+    w = max(FEWEST_OF_LINE, round(SPAN / step))
+    if len(t) < 4 * w:
+        return
+    windows, stamps = sliding_window_view(s, w), sliding_window_view(t, w)
+    since = stamps - stamps.mean(axis=1)[:, None]
+    spread = (since**2).sum(axis=1)
+    slope = (since * windows).sum(axis=1) / spread
+    scatter = ((windows - windows.mean(axis=1)[:, None] - slope[:, None] * since) ** 2).sum(axis=1)
+    before, after = slice(0, len(t) - 2 * w + 1), slice(w, None)
+    change = slope[after] - slope[before]
+    variance = np.maximum((scatter[before] + scatter[after]) / (2 * w - 4), np.median(scatter) / (w - 2) / 4.0)
+    error = np.sqrt(variance * (1.0 / spread[before] + 1.0 / spread[after]))
+    apart = stamps[after].mean(axis=1) - stamps[before].mean(axis=1)
+    steepest = MOST * gravity * float(np.max(np.abs(alpha)))
+    sudden = np.abs(change) > KICK + 2.0 * steepest * apart + T_VALUE * error
+    whole = apart < 1.5 * w * step
+    for part in _parts(sudden & whole, gap=1):
+        best = int(part[np.argmax(np.abs(change[part]))])
+        if any(sudden[i] for i in (best - w, best + w) if 0 <= i < len(sudden)):
+            continue  # a worn track: the reading moves suddenly, and then as before
+        side = -math.copysign(1.0, float(change[best]))
+        farthest = best + int(np.argmax(side * s[best : best + 2 * w]))
+        if side * s[farthest] >= float(np.max(side * s)) - END * float(np.ptp(s)) and side * slope[best] > 0.0:
+            yield farthest
+
+
+def _parts(flags: NDArray[np.bool_], gap: int = 2) -> list[NDArray[np.intp]]:
+    """Indices of each stretch of true flags, in which fewer than `gap` in a row are false."""
+    at = np.flatnonzero(flags)
+    return np.split(at, np.flatnonzero(np.diff(at) > gap) + 1) if len(at) else []
+
+
+def _follows(t: FloatArray, alpha: FloatArray, s: FloatArray, contacts: list[Contact], gravity: float) -> bool:
+    """Whether the ball accelerates as a rolling ball may where it touches no stop.
+
+    Sizes of acceleration and tilt are compared, so that delays do not matter.
+    """
+    step = float(np.median(np.diff(t)))
+    grid = np.arange(t[0], t[-1] + 0.5 * step, step)
+    half = max(FEWEST // 2, round(0.5 * FOLLOWING / step))
+    if len(grid) < 4 * half:
+        return False
+    x = np.arange(-half, half + 1) / half
+    u = 1.0 - x**2
+    test, curvature = u**4, (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
+    acceleration = np.convolve(np.interp(grid, t, s), curvature, "valid") / test.sum()
+    tilt = np.convolve(np.interp(grid, t, alpha), test, "valid") / test.sum()
+    centre = grid[half : half + len(tilt)]
+    apart = np.ones(len(centre), dtype=np.bool_)
+    for one in contacts:
+        apart &= (centre + half * step <= t[one.first]) | (centre - half * step >= t[one.last])
+    if apart.sum() < half:
+        return False
+    moved, tilted = (float(np.quantile(np.abs(values[apart]), 0.9)) for values in (acceleration, tilt))
+    return moved >= RESPONDS * gravity * tilted > 0.0
