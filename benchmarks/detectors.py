@@ -32,7 +32,7 @@ FAULTY = 120
 
 # What cannot be a false alarm: it says what is there, or what the rig file has not.
 DETECTORS = (
-    *("stuck-position", "zeros", "clipped", "jump", "lost-rows", "stuck-angle", "end-stop"),
+    *("stuck-position", "zeros", "clipped", "jump", "lost-rows", "stuck-angle", "end-stop", "push"),
     *("position-noise", "angle-noise", "rate", "angle-sign", "swapped-columns"),
     *("angle-unit", "position-unit", "time-unit", "units"),
 )
@@ -155,6 +155,16 @@ def _stops(share: float) -> Change:
     return change
 
 
+def _push(size: float) -> Change:
+    def change(one: Sample, generator: np.random.Generator) -> Sample:
+        """The ball's velocity changes at once, and the change dies away within half a second or so."""
+        since = np.maximum(one.time - one.time[one.part(0.0, generator).start], 0.0)
+        moved = 0.5 * (1.0 - np.exp(-since / 0.5))
+        return replace(one, position=one.position + size * generator.choice((-1.0, 1.0)) * moved)
+
+    return change
+
+
 def _declare(factor: float | None, value: float = 0.0) -> Change:
     def change(one: Sample, _: np.random.Generator) -> Sample:
         noise = value if factor is None else factor * (one.sensors.position_noise or 0.0)
@@ -178,6 +188,9 @@ FAULTS: Mapping[str, tuple[Change, frozenset[str]]] = {
     "clipped, 10 % of the readings": (_clip(0.1), frozenset({"clipped"})),
     "clipped, 25 % of the readings": (_clip(0.25), frozenset({"clipped"})),
     "end stops at the inner 80 % of the readings": (_stops(0.8), frozenset({"end-stop"})),
+    "push by 0.1 m/s": (_push(0.1), frozenset({"push"})),
+    "push by 0.2 m/s": (_push(0.2), frozenset({"push"})),
+    "push by 0.4 m/s": (_push(0.4), frozenset({"push", "end-stop"})),
     "0.5 s of rows lost, renumbered": (_lose(0.5), frozenset({"lost-rows", "jump"})),
     "1 s of rows lost, renumbered": (_lose(1.0), frozenset({"lost-rows", "jump"})),
     "rate × 1.2": (lambda one, _: replace(one, time=one.time / 1.2), frozenset({"rate"})),
@@ -265,7 +278,7 @@ _TEXT = """\
 ## Detectors
 
 Made by `python -m benchmarks.detectors`. What each of them looks at, with its threshold, is in the head of its module
-in `harness/recording/` (`frozen`, `jumps`, `stuck_angle`, `end_stops`, `noise`, `rate`, `plausibility`).
+in `harness/recording/` (`frozen`, `jumps`, `stuck_angle`, `end_stops`, `pushes`, `noise`, `rate`, `plausibility`).
 
 **False alarms** on clean recordings: of the blind trials of the [calibration](calibration.md), with and without effects
 of the catalogue and unlisted ones, with imperfections of real rigs (lags, drop-outs, spikes, worn tracks, uneven

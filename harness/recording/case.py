@@ -42,7 +42,8 @@ class Case:
         rig: what is known of the rig.
         sensors: what is known of the sensors.
         declared: declared effects, known to be present.
-        recordings: by name as listed; recordings for identification come first.
+        recordings: by name as listed; recordings for identification come first. Parts of a recording that a push or
+            an end stop parts are recordings of their own, `rec_01.csv (part 2)`, the longest under the name listed.
         identify: names of the recordings for identification.
         predict: names of the recordings to predict.
         findings: warnings and notes on the rig file and on all recordings.
@@ -146,7 +147,8 @@ def _with_rig_file(path: Path, file: Path) -> Case:
             if content.identify is not None:
                 raise
             raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
-    findings += _duplicates(recordings, (*identify, *predict), file.name)
+    findings += [*_duplicates(recordings, (*identify, *predict), file.name), *_of_recordings(recordings, identify)]
+    recordings, identify = _with_parts(recordings, identify)
     return Case(
         path=path,
         origin=content.origin,
@@ -156,7 +158,7 @@ def _with_rig_file(path: Path, file: Path) -> Case:
         recordings=recordings,
         identify=identify,
         predict=predict,
-        findings=(*content.findings, *findings, *_of_recordings(recordings, identify)),
+        findings=(*content.findings, *findings),
         sha256=content.sha256,
         scene=None if content.scene is None else replace(content.scene, rolls_at=_rolls_at(recordings)),
     )
@@ -177,7 +179,9 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     else:
         about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE, "no-rig-file")
     own = _own_files(path) if path.is_dir() else []
-    identify = tuple(recordings)
+    names = tuple(recordings)
+    findings = (about_rig, *own, *_duplicates(recordings, names, where), *_of_recordings(recordings, names))
+    recordings, identify = _with_parts(recordings, names)
     return Case(
         path=path,
         origin=None,
@@ -189,9 +193,21 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
         recordings=recordings,
         identify=identify,
         predict=(),
-        findings=(about_rig, *own, *_duplicates(recordings, identify, where), *_of_recordings(recordings, identify)),
+        findings=findings,
         sha256=None,
     )
+
+
+def _with_parts(
+    recordings: dict[str, Recording], identify: tuple[str, ...]
+) -> tuple[dict[str, Recording], tuple[str, ...]]:
+    """The same, with every part of a recording to identify from as a recording of its own, behind the longest one."""
+    named: dict[str, Recording] = {}
+    for name in identify:
+        one = recordings[name]
+        named[name] = one
+        named |= {name + part.name.removeprefix(one.name): part for part in one.further}
+    return named | recordings, tuple(named)
 
 
 def _coarsest(recordings: dict[str, Recording], channel: str) -> float | None:

@@ -1,24 +1,27 @@
-"""Where the ball lies against an end stop, or bounces from one: no model has the force that holds or throws it.
+"""Where the ball lies against an end stop, bounces from one, or is held: no model has the force that does so.
 
 On a tilted beam a free ball leaves any band of positions soon: within T at the latest, where a T²/8 is the width of the
 band, even if it was thrown uphill. One that stays at an end of its travel for longer, while the beam falls outwards by
 more than friction can hold a rolling ball, lies against a stop. At an impact the velocity turns inwards, in less than
-0.1 s, by more than the steepest tilt of the recording could turn it. An angle that is not the beam's, as that of a
-motor before a linkage, makes any tilt look steep: the ball has to follow the tilt in the rest of the recording.
+0.1 s, by more than the steepest tilt of the recording could turn it. A ball that does not leave where it is first,
+whichever way the beam falls, and for longer than any delay lasts, is held, as by a hand that lets it go. An angle that
+is not the beam's, as that of a motor before a linkage, makes any tilt look steep: the ball has to follow the tilt in
+the rest of the recording.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.recording.noise import noise_of
+from harness.recording.velocity_changes import velocity_changes
 
 STEEP = 0.05  # rad, 3°: a rolling ball that friction holds there is none of steel on metal
 LEAST, MOST = 0.4, 0.8  # a ball's acceleration over g α
@@ -29,6 +32,7 @@ SIGMAS = 4.0  # of the noise, about the mean of a rest
 BAND = 0.01  # of the range of the positions, at least, on either side of it
 INSIDE = 0.95  # share of a rest's readings in the band
 END = 0.02  # of the range: how far from the extreme position an end stop may be
+HELD = 1.0  # that a ball stays on a steep beam before it is let go [s]
 NEAR = 0.05  # of the range: a ball that bounces from a stop and comes back is as near as this
 SPAN, FEWEST_OF_LINE = 0.1, 5  # of the lines before and after an impact [s], readings
 KICK = 0.1  # m/s that a jerk of the beam may give the ball
@@ -36,20 +40,28 @@ T_VALUE = 6.0  # of the change of velocity
 FOLLOWING = 0.5  # windows in which it is looked whether the ball follows the tilt [s]
 
 
+class Touch(StrEnum):
+    """What holds or throws the ball; values are words of a sentence."""
+
+    REST = "lies against an end stop"
+    BOUNCE = "bounces from an end stop"
+    HELD = "is held by something"
+
+
 @dataclass(frozen=True)
 class Contact:
-    """Readings `first` to `last`, both included, near an end stop that the ball touches.
+    """Readings `first` to `last`, both included, near an end stop that the ball touches, or in which it is held.
 
     Attributes:
         first, last: readings.
-        stop: position of the ball at the stop [m].
-        rests: whether it lies there; else it bounces.
+        place: position of the ball then, or at the stop [m].
+        touch: which of these it is.
     """
 
     first: int
     last: int
-    stop: float
-    rests: bool
+    place: float
+    touch: Touch
 
 
 def end_stops(
@@ -61,7 +73,7 @@ def end_stops(
     resolution: float,
     gravity: float,
 ) -> tuple[Contact, ...]:
-    """All contacts with end stops, in order; none if the ball does not follow the tilt elsewhere.
+    """All contacts, in order; none if the ball does not follow the tilt elsewhere.
 
     A stop is found by a rest or an impact that nothing else explains; then all that comes as far is a contact.
 
@@ -87,9 +99,11 @@ def end_stops(
         if places:
             stop = float(np.median(np.concatenate(places)))
             found += _contacts(t, side * (s - stop), stop, band, max(band, NEAR * range_))
+    if not any(one.first == 0 for one in found):
+        found += _held_at_first(t, alpha, s, band, gravity)
     if not found or not _follows(t, alpha, s, found, gravity):
         return ()
-    contacts = (Contact(int(at[one.first]), int(at[one.last]), one.stop, one.rests) for one in found)
+    contacts = (replace(one, first=int(at[one.first]), last=int(at[one.last])) for one in found)
     return tuple(sorted(contacts, key=lambda one: one.first))
 
 
@@ -99,7 +113,8 @@ def _contacts(t: FloatArray, beyond: FloatArray, stop: float, band: float, near:
         touching = [part[run] for run in _parts(beyond[part] >= -band)]
         if touching:
             longest = max(float(t[run[-1]] - t[run[0]]) for run in touching)
-            yield Contact(int(part[0]), int(part[-1]), stop, longest >= SHORTEST)
+            touch = Touch.REST if longest >= SHORTEST else Touch.BOUNCE
+            yield Contact(int(part[0]), int(part[-1]), stop, touch)
 
 
 def _rests(
@@ -112,8 +127,26 @@ def _rests(
         if len(part) < FEWEST or lasted < SHORTEST:
             continue
         inside = np.abs(s[part] - np.median(s[part])) <= band
-        if inside.mean() >= INSIDE and LEAST * gravity * float(np.mean(outwards[part])) * lasted**2 > 16.0 * band:
+        if inside.mean() >= INSIDE and _would_leave(lasted, float(np.mean(outwards[part])), band, gravity):
             yield int(part[0]), int(part[-1])
+
+
+def _held_at_first(t: FloatArray, alpha: FloatArray, s: FloatArray, band: float, gravity: float) -> Iterator[Contact]:
+    """The stretch until the ball leaves where it is first, if the beam is steep for so long that it should have."""
+    place = float(np.median(s[:FEWEST]))
+    stay = _parts(np.abs(s - place) <= band)[0]
+    for side in (-1.0, 1.0):
+        for steep in _parts(side * alpha[stay] >= STEEP):
+            lasted = float(t[stay[steep[-1]]] - t[stay[steep[0]]])
+            tilt = float(np.mean(side * alpha[stay[steep]]))
+            if len(steep) >= FEWEST and lasted >= HELD and _would_leave(lasted, tilt, band, gravity):
+                yield Contact(0, int(stay[-1]), place, Touch.HELD)
+                return
+
+
+def _would_leave(lasted: float, tilt: float, band: float, gravity: float) -> bool:
+    """Whether a free ball leaves a band of ± `band` [m] within this time [s], on a beam of this tilt [rad]."""
+    return LEAST * gravity * tilt * lasted**2 > 16.0 * band
 
 
 def _impacts(t: FloatArray, alpha: FloatArray, s: FloatArray, gravity: float) -> Iterator[int]:
@@ -122,26 +155,17 @@ def _impacts(t: FloatArray, alpha: FloatArray, s: FloatArray, gravity: float) ->
     w = max(FEWEST_OF_LINE, round(SPAN / step))
     if len(t) < 4 * w:
         return
-    windows, stamps = sliding_window_view(s, w), sliding_window_view(t, w)
-    since = stamps - stamps.mean(axis=1)[:, None]
-    spread = (since**2).sum(axis=1)
-    slope = (since * windows).sum(axis=1) / spread
-    scatter = ((windows - windows.mean(axis=1)[:, None] - slope[:, None] * since) ** 2).sum(axis=1)
-    before, after = slice(0, len(t) - 2 * w + 1), slice(w, None)
-    change = slope[after] - slope[before]
-    variance = np.maximum((scatter[before] + scatter[after]) / (2 * w - 4), np.median(scatter) / (w - 2) / 4.0)
-    error = np.sqrt(variance * (1.0 / spread[before] + 1.0 / spread[after]))
-    apart = stamps[after].mean(axis=1) - stamps[before].mean(axis=1)
+    seen = velocity_changes(t, s, w)
     steepest = MOST * gravity * float(np.max(np.abs(alpha)))
-    sudden = np.abs(change) > KICK + 2.0 * steepest * apart + T_VALUE * error
-    whole = apart < 1.5 * w * step
+    sudden = np.abs(seen.change) > KICK + 2.0 * steepest * seen.apart + T_VALUE * seen.error
+    whole = seen.apart < 1.5 * w * step
     for part in _parts(sudden & whole, gap=1):
-        best = int(part[np.argmax(np.abs(change[part]))])
+        best = int(part[np.argmax(np.abs(seen.change[part]))])
         if any(sudden[i] for i in (best - w, best + w) if 0 <= i < len(sudden)):
             continue  # a worn track: the reading moves suddenly, and then as before
-        side = -math.copysign(1.0, float(change[best]))
+        side = -math.copysign(1.0, float(seen.change[best]))
         farthest = best + int(np.argmax(side * s[best : best + 2 * w]))
-        if side * s[farthest] >= float(np.max(side * s)) - END * float(np.ptp(s)) and side * slope[best] > 0.0:
+        if side * s[farthest] >= float(np.max(side * s)) - END * float(np.ptp(s)) and side * seen.before[best] > 0.0:
             yield farthest
 
 

@@ -1,7 +1,9 @@
 """One recording: validated arrays read from one CSV file."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -43,9 +45,10 @@ class Recording:
         velocity: ṡ, NaN if unknown; `None` if it was not recorded [m/s].
         outlier: true where the position is a spike.
         set_aside: true where the position is left out of every fit, as its sensor was wrong there.
-        cut_off: stamps [s] and positions [m] before and after these n, from which a fault parts them; shape (k, 2).
+        cut_off: stamps [s] and positions [m] that are in no part of the file that is used; shape (k, 2).
         findings: warnings and notes on the data.
         sha256: of the file's bytes.
+        further: other parts of the file, where a fault, an end stop or a push parts it, as recordings of their own.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Recording:
     cut_off: FloatArray
     findings: tuple[DataFinding, ...]
     sha256: str
+    further: tuple[Recording, ...] = ()
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -123,18 +127,30 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     for one in aside.faults:
         where = place(path.name, column=columns[one.channel].header)
         findings.append(DataFinding("warning", where, one.text, one.code))
-    cut = np.delete(np.column_stack((time, position)), aside.kept, axis=0)
-    time, angle, position = (channel[aside.kept].copy() for channel in (time, angle, position))
-    outlier, mask = outlier[aside.kept], aside.mask[aside.kept].copy()
-    velocity = None if velocity is None else velocity[aside.kept].copy()
+    kept = aside.parts[0]
     names = [QUANTITIES[name].named(one.factor) for name, one in columns.items()]
-    signals = Signals(time, angle, position, outlier | mask, rig, names, sensors, filled[aside.kept])
-    findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
-    for array in (time, angle, position, outlier, mask, cut, *([] if velocity is None else [velocity])):
-        array.setflags(write=False)
-    return Recording(
-        path.name, path, time, angle, position, velocity, outlier, mask, cut, tuple(findings), source.sha256
+    signals = Signals(
+        time[kept], angle[kept], position[kept], (outlier | aside.mask)[kept], rig, names, sensors, filled[kept]
     )
+    findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
+    nothing = np.empty((0, 2))
+    whole = Recording(path.name, path, time, angle, position, velocity, outlier, aside.mask, nothing, (), source.sha256)
+    order = sorted(aside.parts, key=lambda part: part.start)
+    further = [_part(whole, part, f"{path.name} (part {order.index(part) + 1})") for part in aside.parts[1:]]
+    used = np.concatenate([np.arange(len(time))[part] for part in aside.parts])
+    cut_off = np.delete(np.column_stack((time, position)), used, axis=0)
+    cut_off.setflags(write=False)
+    main = _part(whole, kept, path.name)
+    return replace(main, cut_off=cut_off, findings=tuple(findings), further=tuple(further))
+
+
+def _part(whole: Recording, part: slice, name: str) -> Recording:
+    """Some of its rows, as a recording whose arrays are its own and read-only."""
+    channels = ("time", "angle", "position", "velocity", "outlier", "set_aside")
+    rows = {each: getattr(whole, each)[part].copy() for each in channels if getattr(whole, each) is not None}
+    for array in rows.values():
+        array.setflags(write=False)
+    return replace(whole, name=name, **rows)
 
 
 def _angle_findings(

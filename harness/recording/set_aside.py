@@ -1,16 +1,15 @@
-"""Readings that are left out of every fit, because a sensor was wrong there, and what is said of them.
+"""Readings that are left out of every fit, and what is said of them.
 
 A stretch in which the position's sensor was stuck, gave zeros, was clipped, or was offset for a while is left out.
-Where an offset stays, rows are lost, the angle's sensor was stuck, or the ball touches an end stop, no model can be run
-across the place: only the longest part of the recording without such a place is used. Behind an offset that stays the
-position has another origin, which acts on the ball as a level would, so that a part before it may be shorter.
+Where an offset stays, rows are lost, the angle's sensor was stuck, the ball touches an end stop, is held or pushed, no
+model can be run across the place: the parts between are used as recordings of their own. Behind an offset that stays
+the position has another origin, which acts on the ball as a level would, so that the part before it may be shorter.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -21,10 +20,10 @@ from harness.recording.end_stops import Contact, end_stops
 from harness.recording.findings import MAX_PLACES, rows_text
 from harness.recording.frozen import Fault, Run, frozen
 from harness.recording.jumps import Jump, jumps
-from harness.recording.sampling import too_short
+from harness.recording.parts import Break, parts_between
+from harness.recording.pushes import LATEST, Push, pushes
 from harness.recording.stuck_angle import stuck_angles
 
-SHIFTED = 0.25  # weight of readings behind an offset that stays
 AND_BACK = 0.3  # of a jump, by which the one back may differ from it
 
 _FROZEN = {
@@ -48,24 +47,13 @@ class SetAside:
 
     Attributes:
         mask: positions that are left out, shape (n,).
-        kept: the part of the recording that is used.
+        parts: what of the recording is used, the part that says most first, the others in order.
         faults: what is said of both.
     """
 
     mask: NDArray[np.bool_]
-    kept: slice
+    parts: tuple[slice, ...]
     faults: tuple[Faulty, ...]
-
-
-@dataclass(frozen=True)
-class _Break:
-    """Readings `first` to `last` − 1, across which no model can be run; none where rows are lost."""
-
-    first: int
-    last: int
-    code: str
-    channel: Literal["position", "angle"]
-    text: str
 
 
 def set_aside(
@@ -97,9 +85,9 @@ def set_aside(
     for run in frozen(time, position, usable, resolution=resolution, acceleration=acceleration):
         mask[run.first : run.last + 1] = True
         faults.append(Faulty(run.fault.value, "position", _frozen_text(run, time, rows)))
-    found = jumps(time, position, angle, usable & ~mask, acceleration=acceleration)
-    breaks: list[_Break] = []
-    pending = list(found)
+    breaks: list[Break] = []
+    parting: list[Faulty] = []
+    pending = list(jumps(time, position, angle, usable & ~mask, acceleration=acceleration))
     while pending:
         one = pending.pop(0)
         if pending and _and_back(one, pending[0], len(time)):
@@ -107,35 +95,39 @@ def set_aside(
             mask[one.at : back.at] = True
             faults.append(Faulty("jump", "position", _there_and_back(one, back, time, rows)))
         else:
-            breaks.append(_break(one, time, rows))
+            breaks.append(Break(one.at, one.at, shifts=not one.angle_too))
+            parting.append(_jump(one, time, rows))
     for first, last in stuck_angles(time, angle, position, usable & ~mask):
-        text = (
-            f"stays at {1e3 * angle[first]:.4g} mrad for {time[last] - time[first]:.2g} s "
-            f"({rows_text(rows[first : last + 1])}, t = {time[first]:.4g} s), but the ball's acceleration shows that "
-            "the beam turned: the sensor was stuck."
-        )
-        breaks.append(_Break(first, last + 1, "stuck-angle", "angle", text))
-    told = [Faulty(one.code, one.channel, one.text) for one in breaks]
-    spans = [(one.first, one.last) for one in breaks]
+        breaks.append(Break(first, last + 1))
+        parting.append(Faulty("stuck-angle", "angle", _stuck_text(first, last, time, angle, rows)))
     contacts = end_stops(time, angle, position, usable & ~mask, resolution=resolution, gravity=gravity)
     if contacts:
-        told.append(Faulty("end-stop", "position", _contacts_text(contacts, time, rows)))
-        spans += [(one.first, one.last + 1) for one in contacts]
-    shifted = min((one.first for one in breaks if one.code == "jump"), default=len(time))
-    kept = _longest(spans, shifted, usable & ~mask)
-    used = f"Only {rows_text(rows[kept])} are used; save the parts as recordings of their own to use all of them."
-    if too_short(time[kept]):
-        kept = slice(0, len(time))
-        used = "The parts are too short to be used alone, so that all is used; check the sensors."
-    faults += [one._replace(text=f"{one.text} {used}") for one in told]
-    return SetAside(mask, kept, tuple(faults))
+        breaks += [Break(one.first, one.last + 1) for one in contacts]
+        parting.append(Faulty("end-stop", "position", _contacts_text(contacts, time, rows)))
+    free = usable & ~mask
+    for each in breaks:  # for as long as an angle of before may act late
+        free[each.first : int(np.searchsorted(time, time[min(each.last, len(time) - 1)] + LATEST))] = False
+    pushed = pushes(time, angle, position, free, gravity=gravity)
+    if pushed:
+        breaks += [Break(one.first, one.last + 1) for one in pushed]
+        parting.append(Faulty("push", "position", _pushes_text(pushed, time, rows)))
+    parts = parts_between(breaks, time, usable & ~mask)
+    used = _used_text(parts, time, rows)
+    faults += [one._replace(text=f"{one.text} {used}") for one in parting]
+    return SetAside(mask, parts, tuple(faults))
 
 
-def _longest(spans: Sequence[tuple[int, int]], shifted: int, usable: NDArray[np.bool_]) -> slice:
-    """The part between spans that has the most usable positions; from `shifted` on, with another origin, less so."""
-    edges = [0, *(edge for span in sorted(spans) for edge in span), len(usable)]
-    parts = [slice(first, last) for first, last in list(pairwise(edges))[::2]]
-    return max(parts, key=lambda part: usable[part].sum() * (1.0 if part.stop <= shifted else SHIFTED))
+def _used_text(parts: Sequence[slice], time: FloatArray, rows: NDArray[np.intp]) -> str:
+    if parts == (slice(0, len(time)),):
+        return "The parts are too short to be used alone, so that all is used; check the sensors."
+    if len(parts) == 1:
+        return f"Only {rows_text(rows[parts[0]])} are used."
+    order = sorted(parts, key=lambda part: part.start)
+    told = [
+        rows_text(rows[part]) + ("" if part == parts[0] else f" (part {number})")
+        for number, part in enumerate(order, start=1)
+    ]
+    return f"Only {', '.join(told[:-1])} and {told[-1]} are used, each as a recording of its own."
 
 
 def _and_back(one: Jump, other: Jump, count: int) -> bool:
@@ -160,19 +152,39 @@ def _there_and_back(one: Jump, back: Jump, time: FloatArray, rows: NDArray[np.in
     )
 
 
+def _stuck_text(first: int, last: int, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp]) -> str:
+    return (
+        f"stays at {1e3 * angle[first]:.4g} mrad for {time[last] - time[first]:.2g} s "
+        f"({rows_text(rows[first : last + 1])}, t = {time[first]:.4g} s), but the ball's acceleration shows that "
+        "the beam turned: the sensor was stuck."
+    )
+
+
 def _contacts_text(contacts: Sequence[Contact], time: FloatArray, rows: NDArray[np.intp]) -> str:
-    told = [
-        f"{'lies against' if one.rests else 'bounces from'} the one at {one.stop:.3g} m "
-        f"at t = {time[one.first]:.4g} to {time[one.last]:.4g} s ({rows_text(rows[one.first : one.last + 1])})"
-        for one in contacts[:MAX_PLACES]
-    ]
-    more = f"; and at {len(contacts) - MAX_PLACES} more places" if len(contacts) > MAX_PLACES else ""
-    return f"the ball touches end stops, which no model has: it {'; '.join(told)}{more}."
+    told = [f"{one.touch} at {one.place:.3g} m, {_when(one, time, rows)}" for one in contacts[:MAX_PLACES]]
+    return f"the ball {_listed(told, len(contacts))}: no model has the force that does so."
 
 
-def _break(one: Jump, time: FloatArray, rows: NDArray[np.intp]) -> _Break:
+def _pushes_text(pushed: Sequence[Push], time: FloatArray, rows: NDArray[np.intp]) -> str:
+    told = [f"by {one.size:.2f} m/s at {_when(one, time, rows)}" for one in pushed[:MAX_PLACES]]
+    return (
+        f"the ball's velocity changes {_listed(told, len(pushed))}, where the beam does not turn as suddenly: it was "
+        "pushed, or hit something, which no model has."
+    )
+
+
+def _when(one: Contact | Push, time: FloatArray, rows: NDArray[np.intp]) -> str:
+    where = rows_text(rows[one.first : one.last + 1])
+    return f"t = {time[one.first]:.4g} to {time[one.last]:.4g} s ({where})"
+
+
+def _listed(told: Sequence[str], count: int) -> str:
+    return "; ".join(told) + (f"; and at {count - len(told)} more places" if count > len(told) else "")
+
+
+def _jump(one: Jump, time: FloatArray, rows: NDArray[np.intp]) -> Faulty:
     where = f"{1e3 * one.size:.2g} mm before row {rows[one.at]} (t = {time[one.at]:.4g} s)"
     if one.angle_too:
         text = f"jumps by {where}, and the angle with it: rows seem to be lost and the time renumbered."
-        return _Break(one.at, one.at, "lost-rows", "position", text)
-    return _Break(one.at, one.at, "jump", "position", f"jumps by {where}, which no ball can do.")
+        return Faulty("lost-rows", "position", text)
+    return Faulty("jump", "position", f"jumps by {where}, which no ball can do.")

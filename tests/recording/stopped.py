@@ -1,12 +1,14 @@
-"""Recordings of a controlled ball on a flat beam with end stops: a plant of a page that shares no code with the models.
+"""Recordings of a controlled ball on a flat beam with end stops, which may be pushed.
 
+A plant of a page that shares no code with the models:
 (1 + 2/5) s̈ = g sin α + s α̇² − (h + 2/5 r) α̈ − d ṡ between the stops, by Newton and Euler for a rolling ball of radius
 r whose centre is h above the pivot.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +19,7 @@ GRAVITY, LEVER = 9.81, 0.028  # m/s², h + 2/5 r of a ball of 40 mm whose beam t
 STOP = 0.2  # both stops' distance from the pivot [m]
 RATE = 50  # Hz
 FINE = 1000  # steps a second
+PUSHED = 0.05  # how long a push takes [s]
 
 
 class Stopped(NamedTuple):
@@ -40,6 +43,7 @@ class Run:
         delay: of the position against the angle [s].
         linkage: recorded over real angle [1].
         noise: of a position [m].
+        pushes: changes of the ball's velocity [m/s], by the time from which on each takes 50 ms [s].
     """
 
     held: float = 0.0
@@ -49,6 +53,7 @@ class Run:
     delay: float = 0.0
     linkage: float = 1.0
     noise: float = 1e-3
+    pushes: Mapping[float, float] = field(default_factory=dict)
 
 
 def stopped(run: Run, *, seed: int, duration: float = 14.0) -> Stopped:
@@ -57,8 +62,8 @@ def stopped(run: Run, *, seed: int, duration: float = 14.0) -> Stopped:
     side = float(random.choice((-1.0, 1.0)))
     s, ds = (side * STOP, 0.0) if run.held else (0.0, 0.0)
     alpha = command = side * 0.08 if run.held else 0.0
-    turning = seen = speed = touched = 0.0
-    late = [(alpha, 0.0, 0.0)] * (round(run.delay * FINE) + 1)
+    turning = seen = speed = touched = dds = 0.0
+    late = [(alpha, 0.0, 0.0)] * round(run.delay * FINE)
     rows = []
     for k in range(round(duration * FINE)):
         t = k / FINE
@@ -70,17 +75,20 @@ def stopped(run: Run, *, seed: int, duration: float = 14.0) -> Stopped:
                 wanted = run.swing * (1.0 if (t - run.held) % 6.0 < 3.0 else -1.0)
                 command = float(np.clip(wanted - s - run.speed_gain * speed, -0.14, 0.14))
         jerked = float(np.clip(225.0 * (command - alpha) - 24.0 * turning, -60.0, 60.0))
+        alpha += turning / FINE + 0.5 * jerked / FINE**2
         turning += jerked / FINE
-        alpha += turning / FINE
         late.append((alpha, turning, jerked))
         a, da, dda = late.pop(0)
-        ds += ((GRAVITY * np.sin(a) + s * da**2 - LEVER * dda) / 1.4 - run.damping * ds) / FINE
-        s += ds / FINE
+        s += ds / FINE + 0.5 * dds / FINE**2
+        before = dds
+        dds = (GRAVITY * np.sin(a) + s * da**2 - LEVER * dda) / 1.4 - run.damping * ds
+        ds += 0.5 * (before + dds) / FINE
+        ds += sum(size / (PUSHED * FINE) for when, size in run.pushes.items() if when <= t < when + PUSHED)
         if abs(s) >= STOP:
             s, touched = float(np.clip(s, -STOP, STOP)), 1.0
             ds = -0.3 * ds if s * ds > 0.0 and abs(ds) > 0.02 else min(ds, 0.0) if s > 0.0 else max(ds, 0.0)
         if k % (FINE // RATE) == 0:
             reading = np.round((s + random.normal(0.0, run.noise)) / 5e-4) * 5e-4
-            rows.append((t, run.linkage * alpha, reading, touched))
+            rows.append((t + 1.0 / FINE, run.linkage * alpha, reading, touched))
             touched = 0.0
     return Stopped(*np.array(rows).T)

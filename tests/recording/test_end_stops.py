@@ -9,7 +9,7 @@ import pytest
 
 from harness.recording import Recording, load_recording
 from tests.recording.simulated import write
-from tests.recording.stopped import STOP, Run, Stopped, stopped
+from tests.recording.stopped import RATE, STOP, Run, Stopped, stopped
 
 SEEDS = range(3)
 HARD = Run(swing=0.16, speed_gain=0.2)  # overshoots to the stops at every turn
@@ -33,8 +33,8 @@ def test_a_ball_that_waits_at_a_stop_is_used_from_where_it_leaves(tmp_path: Path
     made = stopped(Run(held=2.0, delay=delay), seed=seed)
     recording = loaded(tmp_path, made)
     (text,) = told(recording)
-    assert "lies against the one at" in text
-    assert abs(float(text.split("the one at ")[1].split()[0])) == pytest.approx(STOP, abs=1.5e-3)  # told in mm
+    assert "lies against an end stop at" in text
+    assert abs(float(text.split("end stop at ")[1].split()[0])) == pytest.approx(STOP, abs=1.5e-3)  # told in mm
     left = made.time[np.flatnonzero(made.touching)[-1]]
     # It needs √(2 · 0.05 · 0.3 m / 0.5 m/s²) = 0.25 s to be 5 % of its travel away.
     assert left < recording.time[0] < left + 0.5
@@ -48,7 +48,7 @@ def test_impacts_part_a_recording(tmp_path: Path, seed: int) -> None:
     made = stopped(HARD, seed=seed)
     recording = loaded(tmp_path, made)
     (text,) = told(recording)
-    assert "bounces from the one at" in text
+    assert "bounces from an end stop at" in text
     touched = made.time[made.touching > 0.0]
     assert len(touched) > 5
     assert not np.any((touched >= recording.time[0]) & (touched <= recording.time[-1]))
@@ -63,6 +63,25 @@ def test_a_ball_that_touches_no_stop_is_used_whole(tmp_path: Path, seed: int) ->
         made = stopped(run, seed=seed)
         assert not made.touching.any()
         assert not told(loaded(tmp_path, made))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_ball_that_is_held_at_first_is_used_from_where_it_is_let_go(tmp_path: Path, seed: int) -> None:
+    """Begin a recording where a hand lets the ball go, which held it on a beam that fell inwards."""
+    made = stopped(Run(), seed=seed)
+    waiting = np.arange(0.0, 2.0, 1.0 / RATE)
+    noise = np.random.default_rng(seed).normal(0.0, 1e-3, len(waiting))
+    steep = np.interp(waiting, (0.0, 0.3, 1.9, 2.0), (0.0, -0.1, -0.1, made.angle[0]))
+    held = Stopped(
+        np.concatenate((waiting, 2.0 + made.time)),
+        np.concatenate((steep, made.angle)),
+        np.concatenate((made.position[0] + noise, made.position)),
+        np.concatenate((0.0 * waiting, made.touching)),
+    )
+    recording = loaded(tmp_path, held)
+    (text,) = told(recording)
+    assert "is held by something" in text
+    assert 1.9 < recording.time[0] < 2.5
 
 
 def test_the_angle_of_a_motor_shows_no_stop(tmp_path: Path) -> None:

@@ -1,0 +1,102 @@
+"""Where the ball was pushed: its velocity changes at once, and the beam did not turn as suddenly.
+
+Changes of the velocity over a fraction of a second are regressed on what the recorded angle makes of them, with any
+delay up to some tenths of a second: by gravity, whose double integral is taken, and by the acceleration of the beam,
+through the lever of the ball; a constant and a drag go with them. What is left is compared with what is left elsewhere
+in the recording, so that friction, a rough track and a poor angle count in it. A push leaves a peak of one sign; where
+a reading jumps, as on a worn track, two of opposite sign lie beside each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.motion import FloatArray
+from harness.recording.outliers import MAD_TO_SIGMA
+from harness.recording.velocity_changes import velocity_changes
+
+SPAN, FEWEST = 0.15, 5  # of the lines before and after an instant [s], readings
+LATEST, BETWEEN = 0.6, 0.1  # delay that is allowed for, and from one tried to the next [s]
+SMALLEST = 0.08  # push that is reported [m/s]
+SIGMAS = 10.0  # of what is left elsewhere, by its median size
+T_VALUE = 6.0  # of the change of velocity, by the scatter of the readings
+ABOVE_OTHERS = 5.0  # times the 90th percentile of what is left
+OPPOSITE = 0.3  # of the peak, that a change of the other sign beside it may have
+HALF = 0.5  # of the peak, down to which its readings are left out
+MOST = 8  # pushes; beyond, the rig is like that and no single instants are to blame
+ROUNDS, INLYING = 5, 4.0  # of the regression, and the deviations within which a change counts in the next round
+
+
+@dataclass(frozen=True)
+class Push:
+    """Readings `first` to `last`, both included, during which the velocity changes by `size` [m/s] more than it may."""
+
+    first: int
+    last: int
+    size: float
+
+
+def pushes(
+    time: FloatArray, angle: FloatArray, position: FloatArray, usable: NDArray[np.bool_], *, gravity: float
+) -> tuple[Push, ...]:
+    """Pushes in order; none if there are more than `MOST`.
+
+    Args:
+        time: strictly increasing, shape (n,) [s].
+        angle: shape (n,) [rad].
+        position: shape (n,) [m].
+        usable: positions that are known, no spikes, not set aside and at no end stop, shape (n,).
+        gravity: g [m/s²].
+    """
+    at = np.flatnonzero(usable)
+    if len(at) < 2 * FEWEST:
+        return ()
+    t, s = time[at], position[at]
+    step = float(np.median(np.diff(t)))
+    w = max(FEWEST, round(SPAN / step))
+    delays = np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN)
+    if len(t) < 4 * w + 8 * len(delays):
+        return ()
+    seen = velocity_changes(t, s, w)
+    fallen = gravity * _integral(time, _integral(time, angle))
+    columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
+    for delay in delays:
+        when = np.maximum(t - delay, time[0])
+        columns += [velocity_changes(t, np.interp(when, time, signal), w).change for signal in (fallen, angle)]
+    whole = seen.apart < 1.5 * w * step
+    left = _left(np.column_stack(columns), seen.change, whole)
+    size = np.where(whole, np.abs(left), 0.0)
+    sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
+    least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.9)))
+    found: list[Push] = []
+    open_ = (size > least) & (size > T_VALUE * seen.error)
+    while open_.any():
+        peak = int(np.argmax(np.where(open_, size, 0.0)))
+        near = slice(max(peak - 2 * w, 0), peak + 2 * w + 1)
+        beside = left[near] * np.sign(left[peak])
+        if beside.min() > -OPPOSITE * size[peak]:
+            first = last = peak
+            while first > 0 and size[first - 1] >= HALF * size[peak]:
+                first -= 1
+            while last < len(size) - 1 and size[last + 1] >= HALF * size[peak]:
+                last += 1
+            found.append(Push(int(at[first + w - 1]), int(at[last + w]), float(left[peak])))
+        open_[near] = False
+    return tuple(sorted(found, key=lambda one: one.first)) if len(found) <= MOST else ()
+
+
+def _integral(time: FloatArray, values: FloatArray) -> FloatArray:
+    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))
+
+
+def _left(columns: NDArray[np.float64], change: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
+    """What a regression leaves of the changes, in which those far out do not count; shape (n,) [m/s]."""
+    counts = whole.copy()
+    left = change
+    for _ in range(ROUNDS):
+        left = change - columns @ np.linalg.lstsq(columns[counts], change[counts], rcond=None)[0]
+        counts = whole & (np.abs(left) <= INLYING * MAD_TO_SIGMA * float(np.median(np.abs(left[whole]))))
+    return left
