@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.recording.noise import noise_of
-from harness.recording.velocity_changes import velocity_changes
+from harness.recording.velocity_changes import block_length, block_means, velocity_changes
 
 STEEP = 0.05  # rad, 3°: a rolling ball that friction holds there is none of steel on metal
 LEAST, MOST = 0.4, 0.8  # a ball's acceleration over g α
@@ -88,7 +88,10 @@ def end_stops(
     at = np.flatnonzero(usable)
     if len(at) < 4 * FEWEST:
         return ()
-    t, alpha, s = time[at], angle[at], position[at]
+    block = block_length(time[at])
+    t, alpha, s = (block_means(channel[at], block) for channel in (time, angle, position))
+    if len(t) < 4 * FEWEST:
+        return ()
     range_ = float(np.ptp(s))
     band = max(SIGMAS * noise_of(s) + resolution, BAND * range_)
     impacts = list(_impacts(t, alpha, s, gravity))
@@ -103,7 +106,9 @@ def end_stops(
         found += _held_at_first(t, alpha, s, band, gravity)
     if not found or not _follows(t, alpha, s, found, gravity):
         return ()
-    contacts = (replace(one, first=int(at[one.first]), last=int(at[one.last])) for one in found)
+    contacts = (
+        replace(one, first=int(at[one.first * block]), last=int(at[(one.last + 1) * block - 1])) for one in found
+    )
     return tuple(sorted(contacts, key=lambda one: one.first))
 
 

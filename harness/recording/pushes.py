@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.recording.outliers import MAD_TO_SIGMA
-from harness.recording.velocity_changes import velocity_changes
+from harness.recording.velocity_changes import block_length, block_means, velocity_changes
 
 SPAN, FEWEST = 0.15, 5  # of the lines before and after an instant [s], readings
 LATEST, BETWEEN = 0.6, 0.1  # delay that is allowed for, and from one tried to the next [s]
@@ -54,7 +54,8 @@ def pushes(
     at = np.flatnonzero(usable)
     if len(at) < 2 * FEWEST:
         return ()
-    t, s = time[at], position[at]
+    block = block_length(time[at])
+    t, s = block_means(time[at], block), block_means(position[at], block)
     step = float(np.median(np.diff(t)))
     w = max(FEWEST, round(SPAN / step))
     delays = np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN)
@@ -67,6 +68,8 @@ def pushes(
         when = np.maximum(t - delay, time[0])
         columns += [velocity_changes(t, np.interp(when, time, signal), w).change for signal in (fallen, angle)]
     whole = seen.apart < 1.5 * w * step
+    if whole.sum() < 4 * len(columns):
+        return ()
     left = _left(np.column_stack(columns), seen.change, whole)
     size = np.where(whole, np.abs(left), 0.0)
     sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
@@ -83,7 +86,8 @@ def pushes(
                 first -= 1
             while last < len(size) - 1 and size[last + 1] >= HALF * size[peak]:
                 last += 1
-            found.append(Push(int(at[first + w - 1]), int(at[last + w]), float(left[peak])))
+            begin, end = (first + w - 1) * block, (last + w + 1) * block - 1
+            found.append(Push(int(at[begin]), int(at[end]), float(left[peak])))
         open_[near] = False
     return tuple(sorted(found, key=lambda one: one.first)) if len(found) <= MOST else ()
 

@@ -9,6 +9,19 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from analytic.motion import FloatArray
 
+FINEST = 0.01  # s; nothing that pushes a ball is shorter, and lines of few values are soon computed
+
+
+def block_length(time: FloatArray) -> int:
+    """Readings, at stamps of shape (n,) [s], that are averaged so that the means are about `FINEST` apart."""
+    return max(1, int(FINEST / float(np.median(np.diff(time)))))
+
+
+def block_means(values: FloatArray, block: int) -> FloatArray:
+    """Means of so many consecutive values each, shape (n // block,); what is left over at the end is left out."""
+    count = len(values) // block
+    return values[: count * block].reshape(count, block).mean(axis=1)
+
 
 @dataclass(frozen=True)
 class VelocityChanges:
