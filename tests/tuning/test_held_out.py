@@ -42,6 +42,7 @@ def complete(tmp_path_factory: pytest.TempPathFactory) -> Tuned:
     return tuned(pose(tmp_path_factory.mktemp("complete") / "case", 3).problem, "friction")
 
 
+@pytest.mark.slow
 def test_a_complete_engine_predicts_held_out_blocks_as_well_as_cam(complete: Tuned) -> None:
     """Err by no more than half as much again: both begin at a start fitted to the known seconds."""
     made, problem = complete, complete.model.problem
@@ -51,6 +52,7 @@ def test_a_complete_engine_predicts_held_out_blocks_as_well_as_cam(complete: Tun
     assert rms(made.held_out.before) < 1.5 * rms(cam[list(made.held_out.blocks)])
 
 
+@pytest.mark.slow
 def test_nothing_is_tuned_that_predicts_held_out_blocks_no_better(tmp_path: Path) -> None:
     """Say that physics is missing where a damping is, though the level or a friction follows some of its colour."""
     problem = pose(tmp_path / "case", 4, {"viscous_damping": {"coefficient": 0.05}}).problem
@@ -95,6 +97,7 @@ def test_a_rig_that_no_engine_runs_on_is_told_with_what_to_do(lifting: Model) ->
         tune(lifting.problem, lifting.engine, SETTINGS, ["friction"])
 
 
+@pytest.mark.slow
 def test_what_predicts_no_better_is_told_with_its_errors(complete: Tuned) -> None:
     """Reject it where the model is incomplete, and keep it where the model is complete, whatever few blocks say."""
     made = complete
@@ -126,6 +129,7 @@ def untuned(model: Model) -> HeldOutErrors:
     return found
 
 
+@pytest.mark.slow
 def test_what_is_predicted_is_not_used_where_a_window_begins_without_readings(complete: Tuned) -> None:
     """Begin the same runs whatever is read behind the known 2 s, though the first second of these has no readings."""
     recording = complete.model.problem.recordings[0]
@@ -140,6 +144,7 @@ def test_what_is_predicted_is_not_used_where_a_window_begins_without_readings(co
         np.testing.assert_allclose(one.before, same.before, rtol=0.0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_block_of_too_few_readings_is_left_out_and_counted(complete: Tuned) -> None:
     """Keep the errors of the others."""
     recording = complete.model.problem.recordings[0]

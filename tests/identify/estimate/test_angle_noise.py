@@ -77,6 +77,7 @@ def write(folder: Path, *, measured: float | None) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_command_is_not_smoothed_as_noise(tmp_path: Path) -> None:
     """Follow a scattering command, which the beam does, and estimate the friction that acts on the ball."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=None)))
@@ -93,6 +94,7 @@ def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
     assert problem.noise_share == 1.0
 
 
+@pytest.mark.slow
 def test_declared_noise_is_asked_for_too(tmp_path: Path) -> None:
     """Follow a command whose scatter rig.toml declares to be noise, and an encoder's counts as they are."""
     case = load_case(write(tmp_path / "case", measured=None))

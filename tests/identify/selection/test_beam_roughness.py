@@ -105,6 +105,7 @@ def test_roughness_is_estimated_once(shaken: tuple[Problem, Fit]) -> None:
     assert with_beam_roughness(rougher, found) is rougher
 
 
+@pytest.mark.slow
 def test_a_search_begins_anew_with_the_roughness(shaken: tuple[Problem, Fit]) -> None:
     """Name the resistance alone, and return the problem that the fits are of."""
     problem = shaken[0]

@@ -54,6 +54,7 @@ def test_coarse_data_that_are_all_data_are_not_searched_first(shaken: Problem) -
     assert told == []
 
 
+@pytest.mark.slow
 def test_coarse_data_are_searched_first_wherever_predictions_are_poor(shaken: Problem) -> None:
     """Need no certain distance from the noise floor: minutes of a search on all readings would hang on a hair."""
     near = replace(shaken, settings=replace(shaken.settings, above_floor_ratio=1e6))
@@ -61,6 +62,7 @@ def test_coarse_data_are_searched_first_wherever_predictions_are_poor(shaken: Pr
     assert without_stepwise(near, base, base, lambda _: None) is not None
 
 
+@pytest.mark.slow
 def test_where_little_can_be_explained_one_round_is_enough(shaken: Problem) -> None:
     """Weigh each candidate on all readings, once, and what is best by what it explains; return a fit to all of them."""
     ledger = Ledger(Criterion(shaken.settings))
@@ -93,6 +95,7 @@ def test_what_gains_much_and_explains_little_is_not_kept(shaken: Problem) -> Non
         assert best is (first if kept else base)
 
 
+@pytest.mark.slow
 def test_a_spline_term_that_explains_what_effects_do_not_ends_the_stepwise_search(shared: Path) -> None:
     """See on coarse data that no effects imitate a gust of wind, and leave its curve to all readings."""
     problem = problem_of(load_case(shared / "cases" / "unlisted_wind"))
