@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 from analytic.motion import FloatArray
 from harness.recording.outliers import MAD_TO_SIGMA
-from harness.recording.velocity_changes import block_length, block_means, velocity_changes
+from harness.recording.velocity_changes import VelocityChanges, block_length, block_means, velocity_changes
 
 SPAN, FEWEST = 0.15, 5  # of the lines before and after an instant [s], readings
 LATEST, BETWEEN = 0.6, 0.1  # delay that is allowed for, and from one tried to the next [s]
@@ -58,19 +59,14 @@ def pushes(
     t, s = block_means(time[at], block), block_means(position[at], block)
     step = float(np.median(np.diff(t)))
     w = max(FEWEST, round(SPAN / step))
-    delays = np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN)
-    if len(t) < 4 * w + 8 * len(delays):
+    if len(t) < 4 * w:
         return ()
     seen = velocity_changes(t, s, w)
-    fallen = gravity * _integral(time, _integral(time, angle))
-    columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
-    for delay in delays:
-        when = np.maximum(t - delay, time[0])
-        columns += [velocity_changes(t, np.interp(when, time, signal), w).change for signal in (fallen, angle)]
     whole = seen.apart < 1.5 * w * step
-    if whole.sum() < 4 * len(columns):
+    columns = _columns(time, angle, t, seen, gravity)
+    if whole.sum() < 4 * columns.shape[1]:
         return ()
-    left = _left(np.column_stack(columns), seen.change, whole)
+    left = _left(columns, seen.change, whole)
     size = np.where(whole, np.abs(left), 0.0)
     sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
     least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.9)))
@@ -92,8 +88,18 @@ def pushes(
     return tuple(sorted(found, key=lambda one: one.first)) if len(found) <= MOST else ()
 
 
-def _integral(time: FloatArray, values: FloatArray) -> FloatArray:
-    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))
+def _columns(
+    time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: VelocityChanges, gravity: float
+) -> NDArray[np.float64]:
+    """What may explain changes of the velocity: a constant, a drag, and the tilt and the beam's acceleration, late."""
+    speed = cumulative_trapezoid(gravity * angle, time, initial=0)
+    fallen = cumulative_trapezoid(speed, time, initial=0)
+    columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
+    for delay in np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN):
+        when = np.maximum(stamps - delay, time[0])
+        for signal in (fallen, angle):
+            columns.append(velocity_changes(stamps, np.interp(when, time, signal), seen.width).change)
+    return np.column_stack(columns)
 
 
 def _left(columns: NDArray[np.float64], change: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
