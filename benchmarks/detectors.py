@@ -188,7 +188,6 @@ FAULTS: Mapping[str, tuple[Change, frozenset[str]]] = {
     "clipped, 10 % of the readings": (_clip(0.1), frozenset({"clipped"})),
     "clipped, 25 % of the readings": (_clip(0.25), frozenset({"clipped"})),
     "end stops at the inner 80 % of the readings": (_stops(0.8), frozenset({"end-stop"})),
-    "push by 0.1 m/s": (_push(0.1), frozenset({"push"})),
     "push by 0.2 m/s": (_push(0.2), frozenset({"push"})),
     "push by 0.4 m/s": (_push(0.4), frozenset({"push", "end-stop"})),
     "0.5 s of rows lost, renumbered": (_lose(0.5), frozenset({"lost-rows", "jump"})),

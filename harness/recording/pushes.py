@@ -4,7 +4,8 @@ Changes of the velocity over a fraction of a second are regressed on what the re
 delay up to some tenths of a second: by gravity, whose double integral is taken, and by the acceleration of the beam,
 through the lever of the ball; a constant and a drag go with them. What is left is compared with what is left elsewhere
 in the recording, so that friction, a rough track and a poor angle count in it. A push leaves a peak of one sign; where
-a reading jumps, as on a worn track, two of opposite sign lie beside each other.
+a reading jumps, as on a worn track, two of opposite sign lie beside each other. A ball that goes back as fast as it
+came was thrown back by a steep place of the track, which is a law of the position and stays in.
 """
 
 from __future__ import annotations
@@ -21,14 +22,15 @@ from harness.recording.velocity_changes import VelocityChanges, block_length, bl
 
 SPAN, FEWEST = 0.15, 5  # of the lines before and after an instant [s], readings
 LATEST, BETWEEN = 0.6, 0.1  # delay that is allowed for, and from one tried to the next [s]
-SMALLEST = 0.08  # push that is reported [m/s]
+SMALLEST = 0.15  # push that is reported; a bump of 2 mm throws a slow ball by less [m/s]
 SIGMAS = 10.0  # of what is left elsewhere, by its median size
 T_VALUE = 6.0  # of the change of velocity, by the scatter of the readings
-ABOVE_OTHERS = 5.0  # times the 90th percentile of what is left
+ABOVE_OTHERS = 6.5  # times the 80th percentile of what is left; four pushes in 14 s reach into the 90th
 OPPOSITE = 0.3  # of the peak, that a change of the other sign beside it may have
+THROWN_BACK = 0.3  # of the change, that the sum of the velocities before and after may be; of a push it is the change
 HALF = 0.5  # of the peak, down to which its readings are left out
 MOST = 8  # pushes; beyond, the rig is like that and no single instants are to blame
-ROUNDS, INLYING = 5, 4.0  # of the regression, and the deviations within which a change counts in the next round
+ROUNDS, INLYING = 8, 4.0  # of each regression, and the deviations within which a change counts in the second one
 
 
 @dataclass(frozen=True)
@@ -69,14 +71,16 @@ def pushes(
     left = _left(columns, seen.change, whole)
     size = np.where(whole, np.abs(left), 0.0)
     sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
-    least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.9)))
+    least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.8)))
     found: list[Push] = []
     open_ = (size > least) & (size > T_VALUE * seen.error)
     while open_.any():
         peak = int(np.argmax(np.where(open_, size, 0.0)))
         near = slice(max(peak - 2 * w, 0), peak + 2 * w + 1)
         beside = left[near] * np.sign(left[peak])
-        if beside.min() > -OPPOSITE * size[peak]:
+        turn = near.start + int(np.argmax(np.abs(seen.change[near])))
+        thrown_back = abs(seen.before[turn] + seen.after[turn]) < THROWN_BACK * abs(seen.change[turn])
+        if beside.min() > -OPPOSITE * size[peak] and not thrown_back:
             first = last = peak
             while first > 0 and size[first - 1] >= HALF * size[peak]:
                 first -= 1
@@ -103,10 +107,18 @@ def _columns(
 
 
 def _left(columns: NDArray[np.float64], change: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
-    """What a regression leaves of the changes, in which those far out do not count; shape (n,) [m/s]."""
-    counts = whole.copy()
-    left = change
-    for _ in range(ROUNDS):
-        left = change - columns @ np.linalg.lstsq(columns[counts], change[counts], rcond=None)[0]
-        counts = whole & (np.abs(left) <= INLYING * MAD_TO_SIGMA * float(np.median(np.abs(left[whole]))))
+    """What a regression leaves of the changes, shape (n,) [m/s].
+
+    By least absolute deviations, reweighted, and then by least squares without those far out: a controller answers a
+    push at once, so that least squares of all would lay much of it to the beam's acceleration.
+    """
+    left, weight = change, whole.astype(float)
+    for number in range(2 * ROUNDS):
+        root = np.sqrt(weight)
+        left = change - columns @ np.linalg.lstsq(root[:, None] * columns, root * change, rcond=None)[0]
+        size = np.abs(left)
+        usual = MAD_TO_SIGMA * float(np.median(size[whole]))
+        weight = (
+            whole / np.maximum(size, usual or 1.0) if number < ROUNDS else 1.0 * (whole & (size <= INLYING * usual))
+        )
     return left

@@ -88,7 +88,7 @@ def test_a_clipped_sensor_is_named(tmp_path: Path, signals: Signals) -> None:
 def test_a_ball_at_rest_is_no_fault(tmp_path: Path) -> None:
     """Leave in readings of a ball that rests by friction or at an end stop, however equal they are.
 
-    It comes and goes by less than the 0.08 m/s of a push.
+    It comes and goes by less than the 0.15 m/s of a push.
     """
     time = np.arange(1200) / RATE
     angle = np.round(0.04 * np.sin(0.8 * time) / 1e-4) * 1e-4
