@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from analytic.motion import FloatArray
 from harness.recording.outliers import MAD_TO_SIGMA
@@ -96,14 +95,18 @@ def _columns(
     time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: VelocityChanges, gravity: float
 ) -> NDArray[np.float64]:
     """What may explain changes of the velocity: a constant, a drag, and the tilt and the beam's acceleration, late."""
-    speed = cumulative_trapezoid(gravity * angle, time, initial=0)
-    fallen = cumulative_trapezoid(speed, time, initial=0)
+    fallen = gravity * _integral(time, _integral(time, angle))
     columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
     for delay in np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN):
         when = np.maximum(stamps - delay, time[0])
         for signal in (fallen, angle):
             columns.append(velocity_changes(stamps, np.interp(when, time, signal), seen.width).change)
     return np.column_stack(columns)
+
+
+def _integral(time: FloatArray, values: FloatArray) -> FloatArray:
+    """By trapezoids; importing scipy.integrate would delay the first line of every command."""
+    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))
 
 
 def _left(columns: NDArray[np.float64], change: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
