@@ -143,7 +143,7 @@ def _stops(share: float) -> Change:
         speed, s = 0.0, float(np.clip(one.position[np.isfinite(one.position)][0], low, high))
         path = np.empty_like(one.time)
         for i, step in enumerate(np.diff(one.time, prepend=one.time[0])):
-            speed += 0.6 * 9.81 * float(one.angle[i]) * step
+            speed += 0.6 * 9.81 * float(one.angle[i]) * step  # K g α, K of some rolling ball
             s += speed * step
             path[i] = s = float(np.clip(s, low, high))
             if (s == low and speed < 0.0) or (s == high and speed > 0.0):

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.recording.noise import noise_of
+from harness.recording.tilt_response import modulating
 from harness.recording.velocity_changes import block_length, block_means, velocity_changes
 
 STEEP = 0.05  # rad, 3°: a rolling ball that friction holds there is none of steel on metal
@@ -190,9 +191,7 @@ def _follows(t: FloatArray, alpha: FloatArray, s: FloatArray, contacts: list[Con
     half = max(FEWEST // 2, round(0.5 * FOLLOWING / step))
     if len(grid) < 4 * half:
         return False
-    x = np.arange(-half, half + 1) / half
-    u = 1.0 - x**2
-    test, curvature = u**4, (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
+    test, curvature = modulating(half, step)
     acceleration = np.convolve(np.interp(grid, t, s), curvature, "valid") / test.sum()
     tilt = np.convolve(np.interp(grid, t, alpha), test, "valid") / test.sum()
     centre = grid[half : half + len(tilt)]

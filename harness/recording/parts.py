@@ -54,6 +54,12 @@ def parts_between(breaks: Sequence[Break], time: FloatArray, usable: NDArray[np.
     return (main, *(part for part in others if _says_something(time[part], usable[part])))
 
 
+def suffixes(parts: Sequence[slice]) -> list[tuple[slice, str]]:
+    """The parts in order, each with what is added to the recording's name; nothing to that of the first one given."""
+    ordered = sorted(parts, key=lambda part: part.start)
+    return [(part, "" if part == parts[0] else f" (part {number})") for number, part in enumerate(ordered, start=1)]
+
+
 def _says_something(time: FloatArray, usable: NDArray[np.bool_]) -> bool:
     return int(usable.sum()) >= FEWEST and not too_short(time) and float(time[-1] - time[0]) >= LEAST
 

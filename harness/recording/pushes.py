@@ -94,7 +94,10 @@ def pushes(
 def _columns(
     time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: VelocityChanges, gravity: float
 ) -> NDArray[np.float64]:
-    """What may explain changes of the velocity: a constant, a drag, and the tilt and the beam's acceleration, late."""
+    """What may explain changes of the velocity, shape (m, k), a column each.
+
+    A constant and, in metres, a drag; the tilt's pull [m/s] and the beam's turning [rad/s], each late by every delay.
+    """
     fallen = gravity * _integral(time, _integral(time, angle))
     columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
     for delay in np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN):

@@ -16,6 +16,7 @@ from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.held import repeats
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
+from harness.recording.parts import suffixes
 from harness.recording.plausibility import STANDARD_GRAVITY, Signals, implausible
 from harness.recording.resolution import inferred_resolution
 from harness.recording.sampling import (
@@ -135,13 +136,13 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
     nothing = np.empty((0, 2))
     whole = Recording(path.name, path, time, angle, position, velocity, outlier, aside.mask, nothing, (), source.sha256)
-    order = sorted(aside.parts, key=lambda part: part.start)
-    further = [_part(whole, part, f"{path.name} (part {order.index(part) + 1})") for part in aside.parts[1:]]
-    used = np.concatenate([np.arange(len(time))[part] for part in aside.parts])
-    cut_off = np.delete(np.column_stack((time, position)), used, axis=0)
+    unused = np.ones(len(time), dtype=np.bool_)
+    for part in aside.parts:
+        unused[part] = False
+    cut_off = np.column_stack((time, position))[unused]
     cut_off.setflags(write=False)
-    main = _part(whole, kept, path.name)
-    return replace(main, cut_off=cut_off, findings=tuple(findings), further=tuple(further))
+    further = tuple(_part(whole, part, path.name + suffix) for part, suffix in suffixes(aside.parts) if suffix)
+    return replace(_part(whole, kept, path.name), cut_off=cut_off, findings=tuple(findings), further=further)
 
 
 def _part(whole: Recording, part: slice, name: str) -> Recording:

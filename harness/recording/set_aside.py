@@ -20,7 +20,7 @@ from harness.recording.end_stops import Contact, end_stops
 from harness.recording.findings import MAX_PLACES, rows_text
 from harness.recording.frozen import Fault, Run, frozen
 from harness.recording.jumps import Jump, jumps
-from harness.recording.parts import Break, parts_between
+from harness.recording.parts import Break, parts_between, suffixes
 from harness.recording.pushes import LATEST, Push, pushes
 from harness.recording.stuck_angle import stuck_angles
 
@@ -122,11 +122,7 @@ def _used_text(parts: Sequence[slice], time: FloatArray, rows: NDArray[np.intp])
         return "The parts are too short to be used alone, so that all is used; check the sensors."
     if len(parts) == 1:
         return f"Only {rows_text(rows[parts[0]])} are used."
-    order = sorted(parts, key=lambda part: part.start)
-    told = [
-        rows_text(rows[part]) + ("" if part == parts[0] else f" (part {number})")
-        for number, part in enumerate(order, start=1)
-    ]
+    told = [rows_text(rows[part]) + suffix for part, suffix in suffixes(parts)]
     return f"Only {', '.join(told[:-1])} and {told[-1]} are used, each as a recording of its own."
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.tilt_response import modulating
 
 SHORTEST = 0.8  # of a stretch [s]
 FEWEST = 10  # readings of a stretch
@@ -69,9 +70,7 @@ def _departs(
     half = int((time[run[1]] - time[run[0]]) / step) // 2
     if half < FEWEST // 2 or len(grid) < 2 * half * (WINDOWS_ELSEWHERE + 1):
         return False
-    x = np.arange(-half, half + 1) / half
-    u = 1.0 - x**2
-    test, curvature = u**4, (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
+    test, curvature = modulating(half, step)
     columns = [
         np.convolve(tilt, test, "valid"),
         np.convolve(tilt, curvature, "valid"),

@@ -73,11 +73,20 @@ def tilt_response(
         return replace(best, slope=float(np.ldexp(best.slope, exponents[1] - exponents[0])))
 
 
-def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> TiltResponse:
+def modulating(half: int, step: float) -> tuple[FloatArray, FloatArray]:
+    """A smooth test function φ that vanishes with its derivatives at its ends, [1], and φ̈ [1/s²]; (2 half + 1,) each.
+
+    Args:
+        half: samples to either side of the middle.
+        step: time between samples [s].
+    """
     x = np.arange(-half, half + 1) / half
     u = 1.0 - x**2
-    test = u**4
-    test_curvature = (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
+    return u**4, (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
+
+
+def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> TiltResponse:
+    test, test_curvature = modulating(half, step)
     input_, turning, output = (
         integral - integral.mean()
         for integral in (

@@ -34,12 +34,11 @@ def test_what_was_missing_is_found_between_pushes(tmp_path: Path) -> None:
     """
     for number, pushes in enumerate(PUSHES, start=1):
         made = stopped(Run(held=2.0, damping=DAMPING, pushes=pushes), seed=10 + number)
-        columns = {"time_s": made.time, "beam_angle_rad": made.angle, "ball_position_m": made.position}
-        write(tmp_path / f"rec_0{number}.csv", columns)
+        write(tmp_path / f"rec_0{number}.csv", made.columns)
     (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")
     found = harness.diagnose(tmp_path, progress=False)
     assert {one.code for one in found.record.findings} >= {"end-stop", "push"}
     assert list(found.effects) == ["viscous_damping"]
     coefficient = found.effects["viscous_damping"]["coefficient"]
-    # Its 95 % interval is 0.3 % wide on either side; the plant’s steps of 1 ms add 1 ms of delay at most.
+    # Its 95 % interval reaches 0.3 % to either side: three times that.
     assert coefficient.value == pytest.approx(1.4 * 0.1 * DAMPING, rel=0.01)

@@ -30,6 +30,11 @@ class Stopped(NamedTuple):
     position: FloatArray
     touching: FloatArray
 
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """What a file of it holds, by the names of its columns."""
+        return {"time_s": self.time, "beam_angle_rad": self.angle, "ball_position_m": self.position}
+
 
 @dataclass(frozen=True)
 class Run:

@@ -17,8 +17,7 @@ HARD = Run(swing=0.16, speed_gain=0.2)  # overshoots to the stops at every turn
 
 def loaded(folder: Path, made: Stopped) -> Recording:
     """The recording, read from a file."""
-    columns = {"time_s": made.time, "beam_angle_rad": made.angle, "ball_position_m": made.position}
-    return load_recording(write(folder / "rec.csv", columns))
+    return load_recording(write(folder / "rec.csv", made.columns))
 
 
 def told(recording: Recording) -> list[str]:

@@ -19,8 +19,7 @@ PUSHES = {5.2: 0.3, 11.2: -0.3}  # [m/s], by their times [s]
 
 def written(folder: Path, made: Stopped, name: str = "rec_01.csv") -> Path:
     """The recording, in a file of the folder."""
-    columns = {"time_s": made.time, "beam_angle_rad": made.angle, "ball_position_m": made.position}
-    return write(folder / name, columns)
+    return write(folder / name, made.columns)
 
 
 def told(recording: Recording) -> list[str]:
@@ -37,7 +36,7 @@ def test_every_push_is_found_with_its_size(tmp_path: Path, seed: int, delay: flo
     recording = load_recording(written(tmp_path, made))
     (text,) = told(recording)
     sizes = [float(each.split()[0]) for each in text.split("by ")[1:]]
-    # The noise of 1 mm in lines of 8 readings, 20 ms apart, gives a change of slope a standard error of 11 mm/s.
+    # The noise of 1 mm in lines of 8 readings, 20 ms apart, gives a change of slope a standard error of 11 mm/s: five.
     np.testing.assert_allclose(sizes, list(PUSHES.values()), atol=0.06)
     out = recording.left_out[:, 0]
     for when in PUSHES:

@@ -93,7 +93,7 @@ def test_a_ball_at_rest_is_no_fault(tmp_path: Path) -> None:
     time = np.arange(1200) / RATE
     angle = np.round(0.04 * np.sin(0.8 * time) / 1e-4) * 1e-4
     leaving = 0.3 + 0.5 * 0.2 * np.maximum(time - 5.0, 0.0) ** 2
-    hitting = np.minimum(0.1 + 0.05 * time, 0.4)
+    hitting = np.minimum(0.1 + 0.08 * time, 0.4)
     back = np.where(time > 8.0, 0.4 - 0.5 * 0.2 * (time - 8.0) ** 2, hitting)
     for path in (leaving, hitting, back):
         recording = loaded(tmp_path, time, angle, np.round(path, 4))
