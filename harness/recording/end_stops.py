@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.adjacent_lines import adjacent_lines, block_length, block_means
 from harness.recording.noise import noise_of
 from harness.recording.tilt_response import modulating
-from harness.recording.velocity_changes import block_length, block_means, velocity_changes
 
 STEEP = 0.05  # rad, 3°: a rolling ball that friction holds there is none of steel on metal
 LEAST, MOST = 0.4, 0.8  # a ball's acceleration over g α
@@ -161,15 +161,15 @@ def _impacts(t: FloatArray, alpha: FloatArray, s: FloatArray, gravity: float) ->
     w = max(FEWEST_OF_LINE, round(SPAN / step))
     if len(t) < 4 * w:
         return
-    seen = velocity_changes(t, s, w)
+    seen = adjacent_lines(t, s, w)
     steepest = MOST * gravity * float(np.max(np.abs(alpha)))
-    sudden = np.abs(seen.change) > KICK + 2.0 * steepest * seen.apart + T_VALUE * seen.error
+    sudden = np.abs(seen.turn) > KICK + 2.0 * steepest * seen.apart + T_VALUE * seen.slope_error
     whole = seen.apart < 1.5 * w * step
     for part in _parts(sudden & whole, gap=1):
-        best = int(part[np.argmax(np.abs(seen.change[part]))])
+        best = int(part[np.argmax(np.abs(seen.turn[part]))])
         if any(sudden[i] for i in (best - w, best + w) if 0 <= i < len(sudden)):
             continue  # a worn track: the reading moves suddenly, and then as before
-        side = -math.copysign(1.0, float(seen.change[best]))
+        side = -math.copysign(1.0, float(seen.turn[best]))
         farthest = best + int(np.argmax(side * s[best : best + 2 * w]))
         if side * s[farthest] >= float(np.max(side * s)) - END * float(np.ptp(s)) and side * seen.before[best] > 0.0:
             yield farthest

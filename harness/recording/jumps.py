@@ -13,10 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.adjacent_lines import adjacent_lines
 from harness.recording.noise import noise_of
 
 SPAN = 0.1  # of a line [s]
@@ -38,18 +38,6 @@ class Jump:
     angle_too: bool
 
 
-@dataclass(frozen=True)
-class Meeting:
-    """How far apart lines before and after each instant are there, and Student's t of it; shape (n − 2 w + 1,) each.
-
-    Entry i is about the instant before reading i + w.
-    """
-
-    distance: FloatArray
-    t_value: FloatArray
-    whole: NDArray[np.bool_]
-
-
 def jumps(
     time: FloatArray, position: FloatArray, angle: FloatArray, usable: NDArray[np.bool_], *, acceleration: float
 ) -> tuple[Jump, ...]:
@@ -69,26 +57,27 @@ def jumps(
     t, s = time[at], position[at]
     step = float(np.median(np.diff(t)))
     w = int(np.clip(round(SPAN / step), FEWEST, MOST))
-    met = _meet(t, s, w, step)
-    size = np.abs(met.distance)
+    seen = adjacent_lines(t, s, w)
+    whole = seen.length < 1.5 * (2 * w - 1) * step
+    size = np.abs(seen.gap)
     found: list[Jump] = []
-    open_ = met.whole & (met.t_value > T_VALUE)
+    open_ = whole & (size > T_VALUE * seen.gap_error)
     open_ &= size > SMALLEST + acceleration * (w * step) ** 2 / 6.0
-    turned = np.abs(_meet(t, angle[at], w, step).distance) if open_.any() else size
+    turned = np.abs(adjacent_lines(t, angle[at], w).gap) if open_.any() else size
     while open_.any():
         best = int(np.argmax(np.where(open_, size, 0.0)))
         near = slice(max(best - w, 0), best + w + 1)
         elsewhere = np.ones(len(size), dtype=np.bool_)
         for one in (best, *(int(np.searchsorted(at, each.at)) - w for each in found)):
             elsewhere[max(one - w, 0) : one + w + 1] = False
-        others = elsewhere & met.whole
+        others = elsewhere & whole
         if others.sum() >= 4 * w and size[best] > ABOVE_OTHERS * np.quantile(size[others], 0.99):
-            if not _at_once(position, int(at[best + w]), float(met.distance[best]), noise):
+            if not _at_once(position, int(at[best + w]), float(seen.gap[best]), noise):
                 open_[near] = False
                 continue
             usual = max(float(np.quantile(turned[others], 0.999)), 1e-9)
             angle_too = bool(turned[max(best - 1, 0) : best + 2].max() > ABOVE_OTHERS * usual)
-            found.append(Jump(int(at[best + w]), float(met.distance[best]), angle_too))
+            found.append(Jump(int(at[best + w]), float(seen.gap[best]), angle_too))
         open_[near] = False
     return tuple(sorted(found, key=lambda one: one.at)) if len(found) <= MOST_JUMPS else ()
 
@@ -103,24 +92,3 @@ def _at_once(position: FloatArray, at: int, size: float, noise: float) -> bool:
     if any(len(part) == REPEATS and np.ptp(part) == 0.0 for part in held):
         return False
     return bool(np.sign(size) * (known[step + 1] - known[step]) >= AT_ONCE * abs(size) - 3.0 * noise)
-
-
-def _meet(t: FloatArray, values: FloatArray, w: int, step: float) -> Meeting:
-    """Lines through `w` readings before and after every instant between two readings."""
-    windows, stamps = sliding_window_view(values, w), sliding_window_view(t, w)
-    centre = stamps.mean(axis=1)
-    since = stamps - centre[:, None]
-    spread = (since**2).sum(axis=1)
-    mean = windows.mean(axis=1)
-    slope = (since * windows).sum(axis=1) / spread
-    scatter = ((windows - mean[:, None] - slope[:, None] * since) ** 2).sum(axis=1)
-    before, after = slice(0, len(t) - 2 * w + 1), slice(w, None)
-    instant = 0.5 * (t[w - 1 : len(t) - w] + t[w : len(t) - w + 1])
-    ends = [mean[part] + slope[part] * (instant - centre[part]) for part in (before, after)]
-    share = sum(1.0 / w + (instant - centre[part]) ** 2 / spread[part] for part in (before, after))
-    variance = (scatter[before] + scatter[after]) / (2 * w - 4)
-    quiet = np.median(variance) / 4.0  # by chance, or by rounding, the scatter may be far less than elsewhere
-    distance = ends[1] - ends[0]
-    length = stamps[after][:, -1] - stamps[before][:, 0]
-    whole = length < 1.5 * (2 * w - 1) * step
-    return Meeting(distance, np.abs(distance) / np.sqrt(np.maximum(variance, max(quiet, 1e-18)) * share), whole)

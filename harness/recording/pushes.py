@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.recording.adjacent_lines import AdjacentLines, adjacent_lines, block_length, block_means
 from harness.recording.outliers import MAD_TO_SIGMA
-from harness.recording.velocity_changes import VelocityChanges, block_length, block_means, velocity_changes
 
 SPAN, FEWEST = 0.15, 5  # of the lines before and after an instant [s], readings
 LATEST, BETWEEN = 0.6, 0.1  # delay that is allowed for, and from one tried to the next [s]
@@ -62,23 +62,23 @@ def pushes(
     w = max(FEWEST, round(SPAN / step))
     if len(t) < 4 * w:
         return ()
-    seen = velocity_changes(t, s, w)
+    seen = adjacent_lines(t, s, w)
     whole = seen.apart < 1.5 * w * step
     columns = _columns(time, angle, t, seen, gravity)
     if whole.sum() < 4 * columns.shape[1]:
         return ()
-    left = _left(columns, seen.change, whole)
+    left = _left(columns, seen.turn, whole)
     size = np.where(whole, np.abs(left), 0.0)
     sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
     least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.8)))
     found: list[Push] = []
-    open_ = (size > least) & (size > T_VALUE * seen.error)
+    open_ = (size > least) & (size > T_VALUE * seen.slope_error)
     while open_.any():
         peak = int(np.argmax(np.where(open_, size, 0.0)))
         near = slice(max(peak - 2 * w, 0), peak + 2 * w + 1)
         beside = left[near] * np.sign(left[peak])
-        turn = near.start + int(np.argmax(np.abs(seen.change[near])))
-        thrown_back = abs(seen.before[turn] + seen.after[turn]) < THROWN_BACK * abs(seen.change[turn])
+        bend = near.start + int(np.argmax(np.abs(seen.turn[near])))
+        thrown_back = abs(seen.before[bend] + seen.after[bend]) < THROWN_BACK * abs(seen.turn[bend])
         if beside.min() > -OPPOSITE * size[peak] and not thrown_back:
             first = last = peak
             while first > 0 and size[first - 1] >= HALF * size[peak]:
@@ -92,18 +92,18 @@ def pushes(
 
 
 def _columns(
-    time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: VelocityChanges, gravity: float
+    time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: AdjacentLines, gravity: float
 ) -> NDArray[np.float64]:
     """What may explain changes of the velocity, shape (m, k), a column each.
 
     A constant and, in metres, a drag; the tilt's pull [m/s] and the beam's turning [rad/s], each late by every delay.
     """
     fallen = gravity * _integral(time, _integral(time, angle))
-    columns = [np.ones(len(seen.change)), 0.5 * (seen.before + seen.after) * seen.apart]
+    columns = [np.ones(len(seen.turn)), 0.5 * (seen.before + seen.after) * seen.apart]
     for delay in np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN):
         when = np.maximum(stamps - delay, time[0])
         for signal in (fallen, angle):
-            columns.append(velocity_changes(stamps, np.interp(when, time, signal), seen.width).change)
+            columns.append(adjacent_lines(stamps, np.interp(when, time, signal), seen.width).turn)
     return np.column_stack(columns)
 
 

@@ -9,7 +9,7 @@ the position has another origin, which acts on the ball as a level would, so tha
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -56,6 +56,36 @@ class SetAside:
     faults: tuple[Faulty, ...]
 
 
+@dataclass(frozen=True)
+class _Record:
+    """The channels of a recording, shape (n,) each, and what else the detectors ask for, as `set_aside` takes it."""
+
+    time: FloatArray
+    angle: FloatArray
+    position: FloatArray
+    rows: NDArray[np.intp]
+    resolution: float
+    acceleration: float
+    gravity: float
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What one detector finds.
+
+    Attributes:
+        left_out: readings.
+        breaks: where the recording is parted.
+        faults: what is said of the readings left out.
+        parting: what is said of the breaks, to which the parts that are used are added.
+    """
+
+    left_out: list[slice] = field(default_factory=list)
+    breaks: list[Break] = field(default_factory=list)
+    faults: list[Faulty] = field(default_factory=list)
+    parting: list[Faulty] = field(default_factory=list)
+
+
 def set_aside(
     time: FloatArray,
     angle: FloatArray,
@@ -79,42 +109,77 @@ def set_aside(
         acceleration: largest possible acceleration of the ball [m/s²].
         gravity: g [m/s²].
     """
+    record = _Record(time, angle, position, rows, resolution, acceleration, gravity)
     usable = np.isfinite(position) & ~spike
     mask = np.zeros(len(time), dtype=np.bool_)
-    faults: list[Faulty] = []
-    for run in frozen(time, position, usable, resolution=resolution, acceleration=acceleration):
-        mask[run.first : run.last + 1] = True
-        faults.append(Faulty(run.fault.value, "position", _frozen_text(run, time, rows)))
-    breaks: list[Break] = []
-    parting: list[Faulty] = []
-    pending = list(jumps(time, position, angle, usable & ~mask, acceleration=acceleration))
-    while pending:
-        one = pending.pop(0)
-        if pending and _and_back(one, pending[0], len(time)):
-            back = pending.pop(0)
-            mask[one.at : back.at] = True
-            faults.append(Faulty("jump", "position", _there_and_back(one, back, time, rows)))
-        else:
-            breaks.append(Break(one.at, one.at, shifts=not one.angle_too))
-            parting.append(_jump(one, time, rows))
-    for first, last in stuck_angles(time, angle, position, usable & ~mask):
-        breaks.append(Break(first, last + 1))
-        parting.append(Faulty("stuck-angle", "angle", _stuck_text(first, last, time, angle, rows)))
-    contacts = end_stops(time, angle, position, usable & ~mask, resolution=resolution, gravity=gravity)
-    if contacts:
-        breaks += [Break(one.first, one.last + 1) for one in contacts]
-        parting.append(Faulty("end-stop", "position", _contacts_text(contacts, time, rows)))
-    free = usable & ~mask
-    for each in breaks:  # for as long as an angle of before may act late
-        free[each.first : int(np.searchsorted(time, time[min(each.last, len(time) - 1)] + LATEST))] = False
-    pushed = pushes(time, angle, position, free, gravity=gravity)
-    if pushed:
-        breaks += [Break(one.first, one.last + 1) for one in pushed]
-        parting.append(Faulty("push", "position", _pushes_text(pushed, time, rows)))
+    found: list[_Found] = []
+    for detect in (_frozen, _jumps, _stuck_angles, _contacts):
+        found.append(detect(record, usable & ~mask))
+        for readings in found[-1].left_out:
+            mask[readings] = True
+    breaks = [each for one in found for each in one.breaks]
+    found.append(_pushes(record, usable & ~mask & ~_acting_late(breaks, time)))
+    breaks += found[-1].breaks
     parts = parts_between(breaks, time, usable & ~mask)
     used = _used_text(parts, time, rows)
-    faults += [one._replace(text=f"{one.text} {used}") for one in parting]
-    return SetAside(mask, parts, tuple(faults))
+    parting = (each._replace(text=f"{each.text} {used}") for one in found for each in one.parting)
+    return SetAside(mask, parts, (*(each for one in found for each in one.faults), *parting))
+
+
+def _frozen(record: _Record, usable: NDArray[np.bool_]) -> _Found:
+    runs = tuple(
+        frozen(record.time, record.position, usable, resolution=record.resolution, acceleration=record.acceleration)
+    )
+    return _Found(
+        left_out=[slice(run.first, run.last + 1) for run in runs],
+        faults=[Faulty(run.fault.value, "position", _frozen_text(run, record)) for run in runs],
+    )
+
+
+def _jumps(record: _Record, usable: NDArray[np.bool_]) -> _Found:
+    """Readings between a jump and one back are left out; any other jump parts the recording."""
+    found = _Found()
+    pending = list(jumps(record.time, record.position, record.angle, usable, acceleration=record.acceleration))
+    while pending:
+        one = pending.pop(0)
+        if pending and _and_back(one, pending[0], len(record.time)):
+            back = pending.pop(0)
+            found.left_out.append(slice(one.at, back.at))
+            found.faults.append(Faulty("jump", "position", _there_and_back(one, back, record)))
+        else:
+            found.breaks.append(Break(one.at, one.at, shifts=not one.angle_too))
+            found.parting.append(_jump(one, record))
+    return found
+
+
+def _stuck_angles(record: _Record, usable: NDArray[np.bool_]) -> _Found:
+    spans = tuple(stuck_angles(record.time, record.angle, record.position, usable))
+    return _Found(
+        breaks=[Break(first, last + 1) for first, last in spans],
+        parting=[Faulty("stuck-angle", "angle", _stuck_text(first, last, record)) for first, last in spans],
+    )
+
+
+def _contacts(record: _Record, usable: NDArray[np.bool_]) -> _Found:
+    contacts = end_stops(
+        record.time, record.angle, record.position, usable, resolution=record.resolution, gravity=record.gravity
+    )
+    parting = [Faulty("end-stop", "position", _contacts_text(contacts, record))] if contacts else []
+    return _Found(breaks=[Break(one.first, one.last + 1) for one in contacts], parting=parting)
+
+
+def _pushes(record: _Record, usable: NDArray[np.bool_]) -> _Found:
+    pushed = pushes(record.time, record.angle, record.position, usable, gravity=record.gravity)
+    parting = [Faulty("push", "position", _pushes_text(pushed, record))] if pushed else []
+    return _Found(breaks=[Break(one.first, one.last + 1) for one in pushed], parting=parting)
+
+
+def _acting_late(breaks: Sequence[Break], time: FloatArray) -> NDArray[np.bool_]:
+    """Readings of the breaks, and after them for as long as an angle of before may act; shape (n,)."""
+    late = np.zeros(len(time), dtype=np.bool_)
+    for each in breaks:
+        late[each.first : int(np.searchsorted(time, time[min(each.last, len(time) - 1)] + LATEST))] = True
+    return late
 
 
 def _used_text(parts: Sequence[slice], time: FloatArray, rows: NDArray[np.intp]) -> str:
@@ -133,53 +198,55 @@ def _and_back(one: Jump, other: Jump, count: int) -> bool:
     return abs(one.size + other.size) < AND_BACK * max(abs(one.size), abs(other.size))
 
 
-def _frozen_text(run: Run, time: FloatArray, rows: NDArray[np.intp]) -> str:
+def _frozen_text(run: Run, record: _Record) -> str:
     return (
-        f"stays at {run.value:.4g} m for {time[run.last] - time[run.first]:.2g} s "
-        f"({rows_text(rows[run.first : run.last + 1])}, t = {time[run.first]:.4g} s), {_FROZEN[run.fault]}. "
+        f"stays at {run.value:.4g} m for {record.time[run.last] - record.time[run.first]:.2g} s "
+        f"({rows_text(record.rows[run.first : run.last + 1])}, t = {record.time[run.first]:.4g} s), "
+        f"{_FROZEN[run.fault]}. "
         "These readings are left out of all fits."
     )
 
 
-def _there_and_back(one: Jump, back: Jump, time: FloatArray, rows: NDArray[np.intp]) -> str:
+def _there_and_back(one: Jump, back: Jump, record: _Record) -> str:
     return (
-        f"jumps by {1e3 * one.size:.2g} mm at t = {time[one.at]:.4g} s and back at t = {time[back.at]:.4g} s "
-        f"({rows_text(rows[one.at : back.at])}), which no ball can do. These readings are left out of all fits."
+        f"jumps by {1e3 * one.size:.2g} mm at t = {record.time[one.at]:.4g} s and back at "
+        f"t = {record.time[back.at]:.4g} s ({rows_text(record.rows[one.at : back.at])}), "
+        "which no ball can do. These readings are left out of all fits."
     )
 
 
-def _stuck_text(first: int, last: int, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp]) -> str:
+def _stuck_text(first: int, last: int, record: _Record) -> str:
     return (
-        f"stays at {1e3 * angle[first]:.4g} mrad for {time[last] - time[first]:.2g} s "
-        f"({rows_text(rows[first : last + 1])}, t = {time[first]:.4g} s), but the ball's acceleration shows that "
-        "the beam turned: the sensor was stuck."
+        f"stays at {1e3 * record.angle[first]:.4g} mrad for {record.time[last] - record.time[first]:.2g} s "
+        f"({rows_text(record.rows[first : last + 1])}, t = {record.time[first]:.4g} s), "
+        "but the ball's acceleration shows that the beam turned: the sensor was stuck."
     )
 
 
-def _contacts_text(contacts: Sequence[Contact], time: FloatArray, rows: NDArray[np.intp]) -> str:
-    told = [f"{one.touch} at {one.place:.3g} m, {_when(one, time, rows)}" for one in contacts[:MAX_PLACES]]
+def _contacts_text(contacts: Sequence[Contact], record: _Record) -> str:
+    told = [f"{one.touch} at {one.place:.3g} m, {_when(one, record)}" for one in contacts[:MAX_PLACES]]
     return f"the ball {_listed(told, len(contacts))}: no model has the force that does so."
 
 
-def _pushes_text(pushed: Sequence[Push], time: FloatArray, rows: NDArray[np.intp]) -> str:
-    told = [f"by {one.size:.2f} m/s at {_when(one, time, rows)}" for one in pushed[:MAX_PLACES]]
+def _pushes_text(pushed: Sequence[Push], record: _Record) -> str:
+    told = [f"by {one.size:.2f} m/s at {_when(one, record)}" for one in pushed[:MAX_PLACES]]
     return (
         f"the ball's velocity changes {_listed(told, len(pushed))}, where the beam does not turn as suddenly: it was "
         "pushed, or hit something, which no model has."
     )
 
 
-def _when(one: Contact | Push, time: FloatArray, rows: NDArray[np.intp]) -> str:
-    where = rows_text(rows[one.first : one.last + 1])
-    return f"t = {time[one.first]:.4g} to {time[one.last]:.4g} s ({where})"
+def _when(one: Contact | Push, record: _Record) -> str:
+    where = rows_text(record.rows[one.first : one.last + 1])
+    return f"t = {record.time[one.first]:.4g} to {record.time[one.last]:.4g} s ({where})"
 
 
 def _listed(told: Sequence[str], count: int) -> str:
     return "; ".join(told) + (f"; and at {count - len(told)} more places" if count > len(told) else "")
 
 
-def _jump(one: Jump, time: FloatArray, rows: NDArray[np.intp]) -> Faulty:
-    where = f"{1e3 * one.size:.2g} mm before row {rows[one.at]} (t = {time[one.at]:.4g} s)"
+def _jump(one: Jump, record: _Record) -> Faulty:
+    where = f"{1e3 * one.size:.2g} mm before row {record.rows[one.at]} (t = {record.time[one.at]:.4g} s)"
     if one.angle_too:
         text = f"jumps by {where}, and the angle with it: rows seem to be lost and the time renumbered."
         return Faulty("lost-rows", "position", text)
