@@ -14,6 +14,7 @@ from harness.recording import Case as CheckedCase
 from harness.recording import case as cases
 from harness.recording.known_rig import UNITS
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,6 +73,7 @@ class Case(Summarised, CheckedCase):
         return Table("What is known", [*texts("quantity"), "value", *texts("unit")], rows)
 
 
+@one_blas_thread()
 def load_case(path: str | Path = cases.BUNDLED) -> Case:
     """Read a case: a folder, its `rig.toml`, a single CSV recording of the paper's rig, or a built-in case.
 

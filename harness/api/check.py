@@ -21,6 +21,7 @@ from harness.recording import Case as CheckedCase
 from harness.recording.findings import STOPPING
 from harness.recording.own_files import NEXT_EXPERIMENT
 from harness.report.tables import Summarised, Summary
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -202,6 +203,7 @@ class Check(Summarised):
         )
 
 
+@one_blas_thread()
 def check(
     case: CheckedCase | str | Path,
     *,

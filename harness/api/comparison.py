@@ -23,6 +23,7 @@ from harness.errors import EngineFailure, InputError
 from harness.failures import Failed, Failures
 from harness.progress import Progress
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -148,6 +149,7 @@ class Comparison(Summarised):
         return failures.all
 
 
+@one_blas_thread()
 def compare(
     case: CheckedCase | str | Path,
     *,

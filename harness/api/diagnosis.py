@@ -28,6 +28,7 @@ from harness.recording import Recording, load_recording
 from harness.recording.case import typed_path
 from harness.recording.own_files import NEXT_EXPERIMENT
 from harness.recording.source import read_source
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,6 +99,7 @@ class Diagnosis(LoadedDiagnosis):
         with beside_catalogue(self._own):
             return before_after(Account(self.found, self.record, self.case, ""))
 
+    @one_blas_thread()
     def save(self, folder: str | Path | None = None, *, jobs: int = 1, force: bool = False) -> Path:
         """Write diagnosis.json, diagnosis.html, predictions and the next experiment, all of them or none.
 
@@ -151,6 +153,7 @@ class Diagnosis(LoadedDiagnosis):
         (scratch / FILE).write_text(self.record.text() + "\n", encoding="utf-8")
 
 
+@one_blas_thread()
 def diagnose(
     case: CheckedCase | str | Path,
     *,

@@ -16,6 +16,7 @@ from harness.api.saved import LoadedDiagnosis, load_diagnosis
 from harness.api.writing import all_or_nothing, hashes_of, written
 from harness.errors import InputError
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from harness.exports.carried import Carried
@@ -65,6 +66,7 @@ class Export(Summarised):
         return Summary(f"Export to {self.to}: {self.folder}", [", ".join(self.files)], tables)
 
 
+@one_blas_thread()
 def export(
     diagnosis: LoadedDiagnosis | str | Path,
     to: Format,

@@ -24,6 +24,7 @@ from harness.recording.findings import warnings_of
 from harness.recording.rig_file import KEYS
 from harness.recording.source import read_source
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 FILE = "import.json"
 """How each recording of the case was understood."""
@@ -105,6 +106,7 @@ class Imported(Summarised):
         }
 
 
+@one_blas_thread()
 def import_recording(
     files: str | Path | Sequence[str | Path],
     *,

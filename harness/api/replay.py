@@ -18,6 +18,7 @@ from harness.errors import InputError
 from harness.progress import Progress
 from harness.recording.own_files import OWN_FILES
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from harness.api.case import Case
@@ -85,6 +86,7 @@ class Replayed(Summarised):
         return Summary(f"Replay of {self.origin}", lines, tables)
 
 
+@one_blas_thread()
 def replay(
     diagnosis: LoadedDiagnosis | str | Path,
     case: CheckedCase | str | Path,

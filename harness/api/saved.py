@@ -24,6 +24,7 @@ from harness.identify.record import (
 from harness.recording import DataFinding, Recording, Sensors, load_recording
 from harness.recording.findings import warnings_of
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -115,6 +116,7 @@ class LoadedDiagnosis(Summarised):
             for horizon in dict.fromkeys((*before.rms_m, *after.rms_m))
         ]
 
+    @one_blas_thread()
     def predict(self, recording: Recording | str | Path) -> pd.DataFrame:
         """Predict ball positions from the angle alone, with the identified model.
 
@@ -198,6 +200,7 @@ def _interval(ends: tuple[float | None, float | None]) -> str:
     return " … ".join("?" if one is None else number(one, 4) for one in ends)
 
 
+@one_blas_thread()
 def load_diagnosis(path: str | Path, *, effects: Sequence[Given] = ()) -> LoadedDiagnosis:
     """Read a diagnosis.json, to look at it or to predict with it.
 

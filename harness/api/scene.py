@@ -21,6 +21,7 @@ from harness.recording.case import RIG_FILE
 from harness.recording.scene_files import scene_of
 from harness.report.tables import Row, Summarised, Summary, Table, texts
 from harness.scene import Scene
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -141,6 +142,7 @@ class SceneCheck(Summarised):
 _CLASSES = {"ok": "", "warning": "apart", "error": "failed"}
 
 
+@one_blas_thread()
 def check_scene(
     case: CheckedCase | str | Path,
     *,

@@ -19,6 +19,7 @@ from harness.errors import InputError
 from harness.failures import Failed, Failures
 from harness.progress import Progress
 from harness.report.tables import Summarised, Summary
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,6 +82,7 @@ class Sweep(Summarised):
         return {"out": str(self.folder), **files, **plain, "report_failures": list(map(str, self.report_failures))}
 
 
+@one_blas_thread()
 def sweep(
     spec: str | Path,
     *,

@@ -26,6 +26,7 @@ from harness.progress import Progress, Stage
 from harness.provenance import versions
 from harness.recording.case import typed_path
 from harness.report.tables import Summarised, Summary, Table, texts
+from harness.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -128,6 +129,7 @@ class Tuning(Summarised):
 
         return drawn(self._subject())
 
+    @one_blas_thread()
     def save(self, folder: str | Path | None = None, *, force: bool = False) -> Path:
         """Write tuning.json, tuning.html and, if anything was tuned, tuned.toml, all of them or none.
 
@@ -215,6 +217,7 @@ class Tuning(Summarised):
         }
 
 
+@one_blas_thread()
 def tune(
     case: CheckedCase | str | Path,
     *,
