@@ -2,10 +2,11 @@
 
 Changes of the velocity over a fraction of a second are regressed on what the recorded angle makes of them, with any
 delay up to some tenths of a second: by gravity, whose double integral is taken, and by the acceleration of the beam,
-through the lever of the ball; a constant and a drag go with them. What is left is compared with what is left elsewhere
-in the recording, so that friction, a rough track and a poor angle count in it. A push leaves a peak of one sign; where
-a reading jumps, as on a worn track, two of opposite sign lie beside each other. A ball that goes back as fast as it
-came was thrown back by a steep place of the track, which is a law of the position and stays in.
+through the lever of the ball; a constant and a drag go with them. It has to stand out without the acceleration too: a
+command that answers the recorded positions has their noise, which imitates a lever. What is left is compared with what
+is left elsewhere in the recording, so that friction, a rough track and a poor angle count in it. A push leaves a peak
+of one sign; where a reading jumps, as on a worn track, two of opposite sign lie beside each other. A ball that goes
+back as fast as it came was thrown back by a steep place of the track, which is a law of the position and stays in.
 """
 
 from __future__ import annotations
@@ -64,15 +65,17 @@ def pushes(
         return ()
     seen = adjacent_lines(t, s, w)
     whole = seen.apart < 1.5 * w * step
-    columns = _columns(time, angle, t, seen, gravity)
-    if whole.sum() < 4 * columns.shape[1]:
+    pulled, turned = _columns(time, angle, t, seen, gravity)
+    if whole.sum() < 4 * (pulled.shape[1] + turned.shape[1]):
         return ()
-    left = _left(columns, seen.turn, whole)
+    both = [_left(columns, seen.turn, whole) for columns in (pulled, np.hstack((pulled, turned)))]
+    open_ = whole.copy()
+    for left in both:
+        open_ &= np.abs(left) > _least(np.abs(left[whole]))
+    left = np.where(np.abs(both[0]) < np.abs(both[1]), *both)
     size = np.where(whole, np.abs(left), 0.0)
-    sigma = MAD_TO_SIGMA * float(np.median(size[whole]))
-    least = max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size[whole], 0.8)))
+    open_ &= size > T_VALUE * seen.slope_error
     found: list[Push] = []
-    open_ = (size > least) & (size > T_VALUE * seen.slope_error)
     while open_.any():
         peak = int(np.argmax(np.where(open_, size, 0.0)))
         near = slice(max(peak - 2 * w, 0), peak + 2 * w + 1)
@@ -91,20 +94,28 @@ def pushes(
     return tuple(sorted(found, key=lambda one: one.first)) if len(found) <= MOST else ()
 
 
+def _least(size: FloatArray) -> float:
+    """The least change that may be a push, among what is left of all of them, shape (n,) [m/s]."""
+    sigma = MAD_TO_SIGMA * float(np.median(size))
+    return max(SMALLEST, SIGMAS * sigma, ABOVE_OTHERS * float(np.quantile(size, 0.8)))
+
+
 def _columns(
     time: FloatArray, angle: FloatArray, stamps: FloatArray, seen: AdjacentLines, gravity: float
-) -> NDArray[np.float64]:
-    """What may explain changes of the velocity, shape (m, k), a column each.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What may explain changes of the velocity, shapes (m, 2 + delays) and (m, delays), a column each.
 
-    A constant and, in metres, a drag; the tilt's pull [m/s] and the beam's turning [rad/s], each late by every delay.
+    A constant, in metres a drag, and the tilt's pull [m/s], late by every delay; the beam's turning [rad/s] likewise.
     """
     fallen = gravity * _integral(time, _integral(time, angle))
-    columns = [np.ones(len(seen.turn)), 0.5 * (seen.before + seen.after) * seen.apart]
-    for delay in np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN):
-        when = np.maximum(stamps - delay, time[0])
-        for signal in (fallen, angle):
-            columns.append(adjacent_lines(stamps, np.interp(when, time, signal), seen.width).turn)
-    return np.column_stack(columns)
+
+    def late(signal: FloatArray) -> list[FloatArray]:
+        delays = np.arange(0.0, LATEST + 0.5 * BETWEEN, BETWEEN)
+        at = (np.interp(np.maximum(stamps - delay, time[0]), time, signal) for delay in delays)
+        return [adjacent_lines(stamps, values, seen.width).turn for values in at]
+
+    drag = 0.5 * (seen.before + seen.after) * seen.apart
+    return np.column_stack([np.ones(len(drag)), drag, *late(fallen)]), np.column_stack(late(angle))
 
 
 def _integral(time: FloatArray, values: FloatArray) -> FloatArray:

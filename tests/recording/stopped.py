@@ -48,6 +48,7 @@ class Run:
         delay: of the position against the angle [s].
         linkage: recorded over real angle [1].
         noise: of a position [m].
+        commanded: the controller reads what is recorded, as often, and its command is recorded in place of the angle.
         pushes: changes of the ball's velocity [m/s], by the time from which on each takes 50 ms [s].
     """
 
@@ -58,6 +59,7 @@ class Run:
     delay: float = 0.0
     linkage: float = 1.0
     noise: float = 1e-3
+    commanded: bool = False
     pushes: Mapping[float, float] = field(default_factory=dict)
 
 
@@ -70,11 +72,12 @@ def stopped(run: Run, *, seed: int, duration: float = 14.0) -> Stopped:
     turning = seen = speed = touched = dds = 0.0
     late = [(alpha, 0.0, 0.0)] * round(run.delay * FINE)
     rows = []
+    rate = RATE if run.commanded else 100
     for k in range(round(duration * FINE)):
         t = k / FINE
-        if k % 10 == 0:  # the controller, 100 times a second
-            reading = s + random.normal(0.0, 0.3 * run.noise)
-            speed = 0.8 * speed + 0.2 * (reading - seen) * 100.0 if k else 0.0
+        if k % (FINE // rate) == 0:  # the controller
+            reading = s + random.normal(0.0, run.noise if run.commanded else 0.3 * run.noise)
+            speed = 0.8 * speed + 0.2 * (reading - seen) * rate if k else 0.0
             seen = reading
             if t >= run.held:
                 wanted = run.swing * (1.0 if (t - run.held) % 6.0 < 3.0 else -1.0)
@@ -93,7 +96,9 @@ def stopped(run: Run, *, seed: int, duration: float = 14.0) -> Stopped:
             s, touched = float(np.clip(s, -STOP, STOP)), 1.0
             ds = -0.3 * ds if s * ds > 0.0 and abs(ds) > 0.02 else min(ds, 0.0) if s > 0.0 else max(ds, 0.0)
         if k % (FINE // RATE) == 0:
-            reading = np.round((s + random.normal(0.0, run.noise)) / 5e-4) * 5e-4
-            rows.append((t + 1.0 / FINE, run.linkage * alpha, reading, touched))
+            if not run.commanded:
+                reading = s + random.normal(0.0, run.noise)
+            recorded = command if run.commanded else run.linkage * alpha
+            rows.append((t + 1.0 / FINE, recorded, np.round(reading / 5e-4) * 5e-4, touched))
             touched = 0.0
     return Stopped(*np.array(rows).T)

@@ -105,3 +105,14 @@ def test_parts_of_another_origin_are_not_used_together() -> None:
         slice(0, 290),
         slice(310, 590),
     )
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_command_that_answers_noisy_readings_pushes_nothing(tmp_path: Path, seed: int) -> None:
+    """Find nothing where the recorded angle is a command, which answers the noise of the recorded positions.
+
+    The noise then moves command and reading alike, as though the beam's turning threw the ball.
+    """
+    made = stopped(Run(swing=0.06, delay=0.06, noise=3e-3, commanded=True), seed=seed)
+    assert not made.touching.any()
+    assert told(load_recording(written(tmp_path, made))) == []
