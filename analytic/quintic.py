@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from analytic.compiled import fixed, njit
-from analytic.motion import BeamMotion, FloatArray, beam_states
+from analytic.motion import BeamMotion, FloatArray, ScaledMotion, beam_states
 
 
 def quintic(time: FloatArray, states: FloatArray) -> PPoly:
@@ -41,6 +41,15 @@ class QuinticMotion:
     time: FloatArray
     states: FloatArray
 
+    @property
+    def exact(self) -> QuinticMotion:
+        """The quintics that a beam follows which lags behind this motion: these."""
+        return self
+
+    def scaled(self, gain: float) -> QuinticMotion:
+        """`gain` times this motion."""
+        return QuinticMotion(self.time, gain * self.states)
+
     @cached_property
     def spline(self) -> PPoly:
         """The piecewise quintic."""
@@ -64,6 +73,26 @@ class QuinticMotion:
         out = np.empty((len(time), 3))
         _evaluate(fixed(self.time), self.spline.c, fixed(time), out)
         return out
+
+
+@dataclass(frozen=True)
+class LinearMotion(QuinticMotion):
+    """A beam motion that is linear between its states' angles; their rates and angular accelerations are not used.
+
+    Where it turns within a millisecond, what follows it late is exact to rounding. Of quintics it would be off by some
+    milliradians, as their fifth derivative is then 1e15 times the angle.
+    """
+
+    @cached_property
+    def spline(self) -> PPoly:
+        """The pieces, straight."""
+        angle = self.states[:, 0]
+        slope = np.diff(angle) / np.diff(self.time)
+        return PPoly(np.vstack((np.zeros((4, len(slope))), slope, angle[:-1])), self.time)
+
+    def scaled(self, gain: float) -> LinearMotion:
+        """`gain` times this motion."""
+        return LinearMotion(self.time, gain * self.states)
 
 
 @njit(cache=True, nogil=True)
@@ -92,5 +121,7 @@ def _evaluate(stamps: FloatArray, c: FloatArray, time: FloatArray, out: FloatArr
 def through(motion: BeamMotion, stamps: FloatArray) -> QuinticMotion:
     """`motion` as quintics between `stamps`, shape (n,) [s]: itself if it is that already, else through its states."""
     if isinstance(motion, QuinticMotion) and np.array_equal(motion.time, stamps):
-        return motion
+        return motion.exact
+    if isinstance(motion, ScaledMotion):
+        return through(motion.base, stamps).scaled(motion.gain)
     return QuinticMotion(stamps, beam_states(motion, stamps))

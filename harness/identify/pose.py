@@ -8,13 +8,14 @@ from dataclasses import replace
 from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
-from harness.identify.estimate.angle_noise import told_noise_share
+from harness.identify.estimate.angle_noise import told_held, told_noise_share
 from harness.identify.estimate.noise_colour import with_noise_colour
 from harness.identify.problem.problem import Problem
 from harness.identify.rig_completion import complete_rig, missing
 from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import observe
 from harness.recording import Case, KnownRig
+from harness.recording.commanded import answers_readings
 
 _STOOD_FOR: tuple[UnknownQuantity, ...] = ("ratio", "level", "lever")  # of an incompletely known rig
 _FEWEST = 20  # readings that a recording must hold to say anything
@@ -36,11 +37,16 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
     completed = complete_rig(case, case.recordings[names[0]])
     unknown = unknown_effects(case.rig, lever=completed.tells_lever)
 
-    def posed(noise_share: float) -> Problem:
-        every = [observe(case.recordings[name], case.sensors, completed.rig, noise_share) for name in names]
-        return replace(Problem.of(every, completed.rig, declared, unknown), noise_share=noise_share)
+    recordings = [case.recordings[name] for name in names]
 
-    problem = posed(1.0)
+    def posed(noise_share: float = 1.0, *, held: bool = False) -> Problem:
+        every = [observe(one, case.sensors, completed.rig, noise_share, held=held) for one in recordings]
+        return replace(Problem.of(every, completed.rig, declared, unknown), noise_share=noise_share, held=held)
+
+    problem = posed()
+    held = posed(held=True) if answers_readings(recordings) else problem
+    if held is not problem and told_held(problem, held):
+        return with_noise_colour(held)
     noise_share = told_noise_share(problem)
     return with_noise_colour(problem if noise_share == 1.0 else posed(noise_share))
 

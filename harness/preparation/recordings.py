@@ -13,6 +13,7 @@ from harness.errors import InputError
 from harness.recording import Recording, Sensors, inferred_resolution
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
+from harness.signals.held_drive import held_drive
 
 MIN_POSITIONS = 3  # for estimating a state
 
@@ -43,7 +44,9 @@ def _unused(recording: Recording) -> str:
     return " ".join(one.text[:1].upper() + one.text[1:] for one in recording.findings if one.code == "unused-columns")
 
 
-def observe(recording: Recording, sensors: Sensors, rig: Rig, noise_share: float = 1.0) -> Observed:
+def observe(
+    recording: Recording, sensors: Sensors, rig: Rig, noise_share: float = 1.0, *, held: bool = False
+) -> Observed:
     """Prepares a recording, with the declared or inferred resolution of its sensors.
 
     Args:
@@ -51,6 +54,7 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig, noise_share: float
         sensors: what is declared of them.
         rig: complete; a rough one if it is unknown. The ball's motion is smoothed relative to CAM on this rig.
         noise_share: what of the scatter of the angle is an error (`Drive.quieter`) [1].
+        held: the angle is a command that is held from stamp to stamp (`HeldDrive`).
 
     Raises:
         InputError: fewer than three positions are known.
@@ -68,6 +72,8 @@ def observe(recording: Recording, sensors: Sensors, rig: Rig, noise_share: float
         resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
         noise=sensors.angle_noise,
     ).quieter(noise_share)
+    if held:
+        drive = held_drive(drive)
     resolution = sensors.position_resolution or inferred_resolution(recording.position)
     position = np.where(recording.usable, recording.position, np.nan)
     ball = estimate_ball(recording.time, position, drive, rig, noise=sensors.position_noise, resolution=resolution)

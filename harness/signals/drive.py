@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from analytic.motion import FloatArray
+from analytic.motion import BeamMotion, FloatArray
 from analytic.quintic import QuinticMotion
 from harness.signals.error_process import ErrorProcess, error_process
 from harness.signals.quantised import smooth_rounded
@@ -108,6 +108,11 @@ class Drive(QuinticMotion):
             return self
         resolution = self.sensor.resolution or None
         return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)
+
+    @property
+    def gentle(self) -> BeamMotion:
+        """The motion for an engine, whose ball a beam that jumps throws off the rails: this one."""
+        return self
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""

@@ -140,7 +140,7 @@ def _run(
 ) -> ShownRun:
     effects, ball = acting.effects, acting.ball
     rig, sensor = rig_with(acting.rig, effects), replace(sensor_with(effects), error=acting.error)
-    motion = motion_for_engine(effects, acting.drive, setting.time)
+    motion = motion_for_engine(effects, acting.drive.gentle, setting.time)
     recorded_at, at = _stamps(setting.time, sensor, first)
     stamp = int(np.searchsorted(setting.time, recorded_at[0]))
     position, velocity, lagging = (acting.state or _smoothed(setting.time, ball, sensor))(stamp)

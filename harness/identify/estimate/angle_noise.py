@@ -1,4 +1,4 @@
-"""What of the scatter of the recorded angle acts as an error: told by a ball that dry friction holds at times.
+"""What of the scatter of the recorded angle acts as an error: told by the ball, above all where dry friction holds it.
 
 The record of an angle alone tells how it scatters, not why. A sensor's noise moves no ball. A command that a controller
 computes from noisy positions scatters as well, and the beam follows it: smoothed away as noise, it is missing in the
@@ -24,6 +24,24 @@ _SAME = 2.0  # differences of the deviance that tell nothing of a share
 # Where the beam lags behind the angle, the ball tells the share by a model that lags, too, and by no other.
 _DRY = (ROLLING_RESISTANCE.name, ANGLE_SERVO.name)
 _FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
+
+
+def told_held(smoothed: Problem, held: Problem) -> bool:
+    """Whether the ball's readings tell that the beam follows each command, in place of a smooth motion among them.
+
+    Asked where the angle answers the readings (`harness.recording.commanded`): a command among whose scatter the beam
+    moves smoothly, as one that comes over a slow link, is better smoothed. A beam that lags is compared, without and
+    with dry friction. `held` has the same recordings; its deviance has to be lower as by an effect.
+    """
+    smoothed, held = (problem.beginning(_READINGS) for problem in (smoothed, held))
+    price = smoothed.settings.keep + math.log(smoothed.readings)
+    known = {term.effect.name for term in smoothed.declared}
+
+    def lowest_deviance(problem: Problem) -> float:
+        tried = ([name for name in names if name not in known] for names in (_DRY, (ANGLE_SERVO.name,)))
+        return min(fit(problem, Hypothesis((*problem.unknown, *names))).deviance for names in tried)
+
+    return lowest_deviance(held) < lowest_deviance(smoothed) - price
 
 
 def told_noise_share(problem: Problem) -> float:

@@ -228,7 +228,7 @@ class _Scene:
         spline = found.terms.spline
         self.law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)
         self.phase = own.phase
-        self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive, recording.drive.time)
+        self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive.gentle, recording.drive.time)
         self.sensor = found.terms.sensor_in(problem)
         self.engine = engine
         settings = {**given, **engine_settings(self.effects, engine.name)} or {"time_step": _ROLLING_STEP}

@@ -64,7 +64,7 @@ def residual_acceleration(
         time=recording.time,
         position=ball.position,
         velocity=ball.velocity,
-        angle=recording.drive.states[:, 0],
+        angle=recording.drive.evaluate(recording.time),
         residual=ball.residual - (with_known - cam),
         deviation=np.sqrt(ball.covariance[:, 2, 2].clip(min=0.0)),
         law=law,

@@ -15,7 +15,7 @@ def section(account: Account) -> Section:
     shown = account.shown
     low, high = track(shown.reading[np.isfinite(shown.reading)])
     every = [*marks(account), *_held_out(account), *_left_out(account)]
-    run = Run(shown.name, CHART, clock_of(shown), shown.time, shown.drive.states[:, 0], every)
+    run = Run(shown.name, CHART, clock_of(shown), shown.time, shown.drive.evaluate(shown.time), every)
     replay = Replay("replay-prediction", account.diagnosis.problem.rig, low, high, "recorded", [run])
     context = {
         "replay": replay,

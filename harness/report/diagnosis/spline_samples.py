@@ -97,7 +97,7 @@ def _along(
 
 def _normal(record: PreparedRecording, seen: ResidualAcceleration, rig: Rig) -> FloatArray:
     """N/m = g cos α − 2 ṡ α̇ − s α̈ − (h + r) α̇² at the stamps [m/s²]."""
-    angle, rate, angular = record.drive.states.T
+    angle, rate, angular = record.drive.states_at(record.time).T
     arm = rig.eccentricity + rig.rolling_radius
     turning = 2.0 * seen.velocity * rate + seen.position * angular + arm * rate**2
     return np.asarray(rig.gravity * np.cos(angle) - turning)

@@ -125,7 +125,7 @@ class Model:
         """Recorded positions at the cells of one window, shape (m,) [m]."""
         recording, declared = window.recording, self.problem.declared
         sensor = sensor_with(declared)
-        motion = motion_for_engine(declared, recording.drive, recording.drive.time)
+        motion = motion_for_engine(declared, recording.drive.gentle, recording.drive.time)
         at = window.time - sensor.delay
         force = force_of(declared, rig, motion, at, parameters.time_step, origin=recording.origin)
         position = float(sensor.position(start[:1])[0])

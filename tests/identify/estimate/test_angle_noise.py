@@ -63,14 +63,19 @@ def controlled(seed: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArra
     return time, command, angle, position
 
 
-def write(folder: Path, *, measured: float | None) -> Path:
-    """A case of two recordings, of the command or of the angle measured with noise [rad]; nothing is declared of it."""
+def write(folder: Path, *, measured: float | None, late: int = 0) -> Path:
+    """A case of two recordings, of the command or of the angle measured with noise [rad]; nothing is declared of it.
+
+    Args:
+        late: rows by which the command is logged behind the reading that it answers.
+    """
     folder.mkdir()
     (folder / "rig.toml").write_text(RIG)
     for number in (1, 2):
         time, command, angle, position = controlled(number)
         noise = np.random.default_rng(number).normal(0.0, 1.0, len(time))
-        column = command if measured is None else angle + measured * noise
+        told = np.concatenate((command[:1].repeat(late), command))[: len(time)]
+        column = told if measured is None else angle + measured * noise
         rows = np.column_stack((time, column, position))
         header = "time_s,beam_angle_rad,ball_position_m"
         np.savetxt(folder / f"rec_0{number}.csv", rows, "%.7g", ",", header=header, comments="")
@@ -78,10 +83,28 @@ def write(folder: Path, *, measured: float | None) -> Path:
 
 
 @pytest.mark.slow
-def test_a_command_is_not_smoothed_as_noise(tmp_path: Path) -> None:
-    """Follow a scattering command, which the beam does, and estimate the friction that acts on the ball."""
+def test_a_command_is_held(tmp_path: Path) -> None:
+    """Follow a command from its row on, and estimate the friction on the ball and the servo's lag without a bias."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=None)))
+    assert problem.held
+    found = fit(problem, Hypothesis(("rolling_resistance", "angle_servo")))
+    values, deviations = found.values(), found.deviations()
+    # α̈ of the servo jumps at each row; a step of 10 ms that begins there has 1/6 of the α̈ before it.
+    late = 0.01 / 6.0
+    for name, true, bias in (
+        (("rolling_resistance", "coefficient"), ROLLING, 0.0),
+        (("angle_servo", "lag"), LAG, late),
+    ):
+        assert values[name] == pytest.approx(true, abs=bias + 3.0 * deviations[name])
+        assert deviations[name] < 0.05 * true
+
+
+@pytest.mark.slow
+def test_a_command_that_is_logged_late_is_not_smoothed_as_noise(tmp_path: Path) -> None:
+    """Follow a scattering command, which the beam does, and estimate the friction that acts on the ball."""
+    problem = problem_of(load_case(write(tmp_path / "case", measured=None, late=1)))
     assert problem.noise_share < 1.0
+    assert not problem.held
     found = fit(problem, Hypothesis(("rolling_resistance", "angle_servo")))
     error = found.deviations()["rolling_resistance", "coefficient"]
     assert found.values()["rolling_resistance", "coefficient"] == pytest.approx(ROLLING, abs=3.0 * error)
@@ -92,12 +115,13 @@ def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
     """Leave an angle as it is estimated that scatters because its sensor is noisy."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=5e-3)))
     assert problem.noise_share == 1.0
+    assert not problem.held
 
 
 @pytest.mark.slow
 def test_declared_noise_is_asked_for_too(tmp_path: Path) -> None:
     """Follow a command whose scatter rig.toml declares to be noise, and an encoder's counts as they are."""
-    case = load_case(write(tmp_path / "case", measured=None))
+    case = load_case(write(tmp_path / "case", measured=None, late=1))
     noisy = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=0.01)))
     assert noisy.noise_share < 1.0
     counts = problem_of(replace(case, sensors=replace(case.sensors, angle_resolution=0.004, angle_noise=0.0)))
