@@ -53,7 +53,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
         colour=colour_record(problem),
         roughness=problem.roughness,
         noise_share=problem.noise_share,
-        held=problem.held,
+        held_command=problem.held_command,
         visited_m=visited(problem, Regressor.POSITION),
         forecast=None
         if forecasting is None
@@ -90,7 +90,7 @@ def observed_for(kept: ModelRecord, recording: Recording, sensors: Sensors) -> O
     Raises:
         InputError: as of `observe`.
     """
-    return observe(recording, sensors, rig_of(kept), kept.noise_share, held=kept.held)
+    return observe(recording, sensors, rig_of(kept), kept.noise_share, held_command=kept.held_command)
 
 
 def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
-from harness.identify.estimate.angle_noise import told_held, told_noise_share
+from harness.identify.estimate.angle_noise import prefers_held_command, told_noise_share
 from harness.identify.estimate.noise_colour import with_noise_colour
 from harness.identify.problem.problem import Problem
 from harness.identify.rig_completion import complete_rig, missing
@@ -39,14 +39,18 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
 
     recordings = [case.recordings[name] for name in names]
 
-    def posed(noise_share: float = 1.0, *, held: bool = False) -> Problem:
-        every = [observe(one, case.sensors, completed.rig, noise_share, held=held) for one in recordings]
-        return replace(Problem.of(every, completed.rig, declared, unknown), noise_share=noise_share, held=held)
+    def posed(noise_share: float = 1.0, *, held_command: bool = False) -> Problem:
+        every = [
+            observe(one, case.sensors, completed.rig, noise_share, held_command=held_command) for one in recordings
+        ]
+        problem = Problem.of(every, completed.rig, declared, unknown)
+        return replace(problem, noise_share=noise_share, held_command=held_command)
 
     problem = posed()
-    held = posed(held=True) if answers_readings(recordings) else problem
-    if held is not problem and told_held(problem, held):
-        return with_noise_colour(held)
+    if answers_readings(recordings):
+        held = posed(held_command=True)
+        if prefers_held_command(problem, held):
+            return with_noise_colour(held)
     noise_share = told_noise_share(problem)
     return with_noise_colour(problem if noise_share == 1.0 else posed(noise_share))
 

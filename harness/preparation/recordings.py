@@ -45,7 +45,7 @@ def _unused(recording: Recording) -> str:
 
 
 def observe(
-    recording: Recording, sensors: Sensors, rig: Rig, noise_share: float = 1.0, *, held: bool = False
+    recording: Recording, sensors: Sensors, rig: Rig, noise_share: float = 1.0, *, held_command: bool = False
 ) -> Observed:
     """Prepares a recording, with the declared or inferred resolution of its sensors.
 
@@ -54,7 +54,7 @@ def observe(
         sensors: what is declared of them.
         rig: complete; a rough one if it is unknown. The ball's motion is smoothed relative to CAM on this rig.
         noise_share: what of the scatter of the angle is an error (`Drive.quieter`) [1].
-        held: the angle is a command that is held from stamp to stamp (`HeldDrive`).
+        held_command: the angle is a command that is held from stamp to stamp (`HeldDrive`).
 
     Raises:
         InputError: fewer than three positions are known.
@@ -72,7 +72,7 @@ def observe(
         resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
         noise=sensors.angle_noise,
     ).quieter(noise_share)
-    if held:
+    if held_command:
         drive = held_drive(drive)
     resolution = sensors.position_resolution or inferred_resolution(recording.position)
     position = np.where(recording.usable, recording.position, np.nan)

@@ -29,7 +29,7 @@ class AdjacentLines:
     """Lines through `width` values before and after every instant between two stamps; shape (n − 2 width + 1,) each.
 
     Entry i is about the instant before stamp i + width, half-way from the stamp before. Standard errors are by the
-    scatter about both lines.
+    scatter about both lines. Units are those of positions; where the values are angles, they are in rad for m.
 
     Attributes:
         width: values of a line.

@@ -8,6 +8,7 @@ correlation is 0.0 to 0.27 in size where the angle is measured, 0.8 where it is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -31,7 +32,7 @@ def answers_readings(recordings: Iterable[Recording]) -> bool:
     if both.shape[1] < _FEWEST or not np.all(sizes > 0.0):
         return False
     correlation = abs(float(both[0] @ both[1])) / float(sizes.prod())
-    return correlation > _CORRELATED and correlation * np.sqrt(both.shape[1]) > _SURE
+    return correlation > _CORRELATED and correlation * math.sqrt(both.shape[1]) > _SURE
 
 
 def _unpredicted(angle: FloatArray, position: FloatArray) -> FloatArray:

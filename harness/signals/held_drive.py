@@ -2,8 +2,9 @@
 
 A command that a controller computes from the reading of the same stamp has the noise of that reading. If the beam of a
 model has begun to follow it before, as between two stamps of an interpolated angle, its acceleration moves the ball by
-that noise, and the model predicts a part of the reading from itself: 0.2 of it on a beam with 3 cm of lever. Here the
-beam turns after the stamp alone, and there is no error: a command is known.
+that noise, and the model predicts a part of the reading from itself: 0.2 of it on a beam with 3 cm of lever. Here a
+beam that lags turns after the stamp alone. One that does not has the mean of the commands half a hold before and after,
+which changes smoothly with a delay, and no rate or acceleration that could throw the ball. The command has no error.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ class HeldDrive(Drive):
     """A beam that turns to each reading right after its stamp and stays there; `time` has two knots a stamp.
 
     `states`, `std` and `reading` are at the knots: each stamp, and where the beam has turned. `smoothed` is what the
-    readings would tell of a beam whose angle is measured.
+    readings would tell of a beam whose angle is measured, `commands` are those of the stamps, shape (n,) [rad].
     """
 
     smoothed: Drive
@@ -68,7 +69,7 @@ class HeldDrive(Drive):
 
     @cached_property
     def error(self) -> ErrorProcess:
-        """White, and next to nothing."""
+        """White, of 1e-6 rad, and none of the rates."""
         n, none = len(self.time), np.zeros((3, 3))
         only = none.copy()
         only[0, 0] = _ERROR

@@ -27,8 +27,8 @@ def test_a_command_is_told_and_replayed(tmp_path: Path) -> None:
     # Taken for noise, the command left friction at 0.0024 ± 0.0005, a fifth too small.
     (friction,) = sizes.values()
     assert friction == pytest.approx([ROLLING] * len(friction), rel=0.1)
-    assert found["model"]["held"]
-    assert found["problem"]["held"]
+    assert found["model"]["held_command"]
+    assert found["problem"]["held_command"]
     page = (out / "diagnosis.html").read_text(encoding="utf-8")
     assert "a command that answers the readings of the ball" in page
     replayed = call(tmp_path, "replay", out, case)

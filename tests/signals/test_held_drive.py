@@ -21,7 +21,7 @@ def held(command: FloatArray = COMMAND) -> HeldDrive:
 
 
 def followed(command: FloatArray, gain: float = 1.0) -> FloatArray:
-    """α, α̇ and α̈ of a servo at the stamps, shape (n, 3): Euler steps of 0.02 ms of its equation, command by command."""
+    """α [rad] and α̇ [rad/s] of a servo at the stamps, shape (n, 2): Euler steps of 0.02 ms, command by command."""
     steps, own = 1000, DAMPING * 2.0 / LAG  # (T/2ζ)² β̈ + T β̇ + β = α
     angle, rate, out = gain * command[0], 0.0, []
     for value in gain * command:

@@ -26,20 +26,17 @@ _DRY = (ROLLING_RESISTANCE.name, ANGLE_SERVO.name)
 _FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
 
 
-def told_held(smoothed: Problem, held: Problem) -> bool:
-    """Whether the ball's readings tell that the beam follows each command, in place of a smooth motion among them.
+def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
+    """Whether the ball's readings are more likely with a beam that follows each command than with a smoothed angle.
 
-    Asked where the angle answers the readings (`harness.recording.commanded`): a command among whose scatter the beam
-    moves smoothly, as one that comes over a slow link, is better smoothed. A beam that lags is compared, without and
-    with dry friction. `held` has the same recordings; its deviance has to be lower as by an effect.
+    Both have the same recordings, and a servo, with or without dry friction. The deviance has to be as much lower as an
+    effect has to lower it.
     """
     smoothed, held = (problem.beginning(_READINGS) for problem in (smoothed, held))
     price = smoothed.settings.keep + math.log(smoothed.readings)
-    known = {term.effect.name for term in smoothed.declared}
 
     def lowest_deviance(problem: Problem) -> float:
-        tried = ([name for name in names if name not in known] for names in (_DRY, (ANGLE_SERVO.name,)))
-        return min(fit(problem, Hypothesis((*problem.unknown, *names))).deviance for names in tried)
+        return min(_deviance(problem, names) for names in (_DRY, (ANGLE_SERVO.name,)))
 
     return lowest_deviance(held) < lowest_deviance(smoothed) - price
 
@@ -50,21 +47,23 @@ def told_noise_share(problem: Problem) -> float:
     Both it and the dry friction have to lower the BIC as much as an effect has. Of shares that fit as well as each
     other it is the largest, with which the readings of the angle say the least.
     """
-    known = {term.effect.name for term in problem.declared}
-    if ROLLING_RESISTANCE.name in known or all(one.drive.sensor.rounded for one in problem.recordings):
+    dry = any(term.effect is ROLLING_RESISTANCE for term in problem.declared)
+    if dry or all(one.drive.sensor.rounded for one in problem.recordings):
         return 1.0
     part = problem.beginning(_READINGS)
     price = problem.settings.keep + math.log(part.readings)
 
-    def lowest_deviance(share: float, names: tuple[str, ...]) -> float:
-        tried = (*problem.unknown, *(name for name in names if name not in known))
-        return fit(part.quieter(share), Hypothesis(tried)).deviance
-
-    deviances = {share: lowest_deviance(share, _DRY) for share in (1.0, _FIRST)}
+    deviances = {share: _deviance(part.quieter(share), _DRY) for share in (1.0, _FIRST)}
     if deviances[_FIRST] >= deviances[1.0]:
         return 1.0
-    deviances |= {share: lowest_deviance(share, _DRY) for share in _FURTHER}
+    deviances |= {share: _deviance(part.quieter(share), _DRY) for share in _FURTHER}
     lowest = min(deviances.values())
     share = max(share for share, one in deviances.items() if one < lowest + _SAME)
-    told = deviances[share] < deviances[1.0] - price and deviances[share] < lowest_deviance(share, _FREE) - price
-    return share if told else 1.0
+    limit = min(deviances[1.0], _deviance(part.quieter(share), _FREE)) - price
+    return share if deviances[share] < limit else 1.0
+
+
+def _deviance(problem: Problem, names: tuple[str, ...]) -> float:
+    """Lowest deviance with these effects beside those that are known."""
+    known = {term.effect.name for term in problem.declared}
+    return fit(problem, Hypothesis((*problem.unknown, *(name for name in names if name not in known)))).deviance

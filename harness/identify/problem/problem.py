@@ -244,7 +244,7 @@ class Problem:
         colour: of the reading noise.
         roughness: factor on the density of the beam's third derivative that the angle readings tell [1].
         noise_share: of the scatter of the angle's readings: what of it is an error, by which they are smoothed [1].
-        held: whether the angle is a command that is held from stamp to stamp.
+        held_command: whether the angle is a command that is held from stamp to stamp.
     """
 
     recordings: tuple[PreparedRecording, ...]
@@ -257,7 +257,7 @@ class Problem:
     colour: Colour = WHITE
     roughness: float = 1.0
     noise_share: float = 1.0
-    held: bool = False
+    held_command: bool = False
 
     @classmethod
     def of(
@@ -281,7 +281,7 @@ class Problem:
         Raises:
             InputError: as of `observe`.
         """
-        return observe(recording, sensors, self.rig, self.noise_share, held=self.held)
+        return observe(recording, sensors, self.rig, self.noise_share, held_command=self.held_command)
 
     def quieter(self, share: float) -> Problem:
         """The same recordings with an angle of which only `share` of the scatter is an error (`Drive.quieter`)."""

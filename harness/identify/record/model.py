@@ -106,9 +106,9 @@ class ModelRecord(RecordPart):
 
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
     is the factor on the density of the beam's third derivative with which a drive is smoothed [1], `noise_share` what
-    of the scatter of its readings is then an error [1], `held` whether the angle is a command, held from stamp to stamp
-    and not smoothed; `visited_m` is from where to where positions were recorded, without half a percent of the readings
-    at either end, null if not known. `forecast` has what predictions use instead
+    of the scatter of its readings is then an error [1], `held_command` whether the angle is a command, held from stamp
+    to stamp and not smoothed; `visited_m` is from where to where positions were recorded, without half a percent of the
+    readings at either end, null if not known. `forecast` has what predictions use instead
     where parameters fitted to forecasts predict held-out blocks surely better, else null.
     """
 
@@ -127,7 +127,7 @@ class ModelRecord(RecordPart):
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
     noise_share: Positive = 1.0
-    held: bool = False
+    held_command: bool = False
     visited_m: tuple[Finite, Finite] | None = None
     forecast: ForecastRecord | None = None
 

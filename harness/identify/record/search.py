@@ -103,7 +103,7 @@ class ProblemRecord(RecordPart):
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
     noise_share: Positive = 1.0
-    held: bool = False
+    held_command: bool = False
     baseline: str
     rig: RigRecord
     declared: tuple[ActingRecord, ...]

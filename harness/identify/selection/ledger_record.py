@@ -66,7 +66,7 @@ def problem_record(problem: Problem, inputs: SourcesRecord) -> ProblemRecord:
         colour=colour_record(problem),
         roughness=problem.roughness,
         noise_share=problem.noise_share,
-        held=problem.held,
+        held_command=problem.held_command,
         baseline=problem.model.name,
         rig=RigRecord.model_validate(problem.rig),
         declared=declared_record(problem),

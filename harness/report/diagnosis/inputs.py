@@ -39,7 +39,7 @@ def _colour(account: Account) -> str:
 
 def _noise_share(account: Account) -> str:
     """What of the angle's scatter is an error; empty where all of it is."""
-    if account.diagnosis.problem.held:
+    if account.diagnosis.problem.held_command:
         return "none: it is a command that answers the readings of the ball, and the beam follows it from row to row"
     share = account.diagnosis.problem.noise_share
     if share == 1.0:

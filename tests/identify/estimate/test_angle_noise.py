@@ -84,9 +84,9 @@ def write(folder: Path, *, measured: float | None, late: int = 0) -> Path:
 
 @pytest.mark.slow
 def test_a_command_is_held(tmp_path: Path) -> None:
-    """Follow a command from its row on, and estimate the friction on the ball and the servo's lag without a bias."""
+    """Follow a command from its row on, and estimate the ball's friction, and the servo's lag to a sixth of a step."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=None)))
-    assert problem.held
+    assert problem.held_command
     found = fit(problem, Hypothesis(("rolling_resistance", "angle_servo")))
     values, deviations = found.values(), found.deviations()
     # α̈ of the servo jumps at each row; a step of 10 ms that begins there has 1/6 of the α̈ before it.
@@ -104,7 +104,7 @@ def test_a_command_that_is_logged_late_is_not_smoothed_as_noise(tmp_path: Path) 
     """Follow a scattering command, which the beam does, and estimate the friction that acts on the ball."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=None, late=1)))
     assert problem.noise_share < 1.0
-    assert not problem.held
+    assert not problem.held_command
     found = fit(problem, Hypothesis(("rolling_resistance", "angle_servo")))
     error = found.deviations()["rolling_resistance", "coefficient"]
     assert found.values()["rolling_resistance", "coefficient"] == pytest.approx(ROLLING, abs=3.0 * error)
@@ -115,14 +115,16 @@ def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
     """Leave an angle as it is estimated that scatters because its sensor is noisy."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=5e-3)))
     assert problem.noise_share == 1.0
-    assert not problem.held
+    assert not problem.held_command
 
 
 @pytest.mark.slow
 def test_declared_noise_is_asked_for_too(tmp_path: Path) -> None:
-    """Follow a command whose scatter rig.toml declares to be noise, and an encoder's counts as they are."""
+    """Follow a command whose scatter rig.toml calls noise, held or not, and an encoder's counts as they are."""
     case = load_case(write(tmp_path / "case", measured=None, late=1))
     noisy = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=0.01)))
     assert noisy.noise_share < 1.0
     counts = problem_of(replace(case, sensors=replace(case.sensors, angle_resolution=0.004, angle_noise=0.0)))
     assert counts.noise_share == 1.0
+    answering = load_case(write(tmp_path / "answering", measured=None))
+    assert problem_of(replace(answering, sensors=replace(answering.sensors, angle_noise=0.01))).held_command

@@ -96,7 +96,7 @@ def problem() -> Problem:
             colour=WHITE,
             roughness=1.0,
             noise_share=1.0,
-            held=False,
+            held_command=False,
             model=CAM,
             rig=Rig(),
             declared=(acting("viscous_damping", {"coefficient": 0.01}),),
