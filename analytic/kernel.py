@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import slots
+from analytic.borrowed import borrowed
 from analytic.compiled import fixed, njit
 from analytic.lean import damped_run, dry_run, smooth_run, tilts
 from analytic.lean_step import DAMPED_DRY, DRY, GENERAL, SMOOTH, path_of
@@ -36,6 +37,7 @@ def _integrate(
     out: FloatArray,
 ) -> None:
     """Fill `out`, s [m] and ṡ [m/s] at the stamps of one run after the other, shape (Σ (last − first + 1), 2)."""
+    tables, parameters, starts, out = borrowed(tables), borrowed(parameters), borrowed(starts), borrowed(out)
     tilted = np.empty(tables.shape[1])  # sin(α + α₀), filled from row `low` to `high`
     low, high, motion, level, linear = 0, -1, -1, 0.0, 0.0  # what it was filled for
     at = 0  # row of `out` for the first stamp of a run

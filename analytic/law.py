@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic import slots
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.models import Reading
 from analytic.motion import FloatArray
@@ -39,6 +40,7 @@ def acceleration(s: float, v: float, angle: float, rate: float, angular: float, 
         angle, rate, angular: beam, α [rad], α̇ [rad/s], α̈ [rad/s²].
         p: from `models.coefficients`, with effects written into it, shape (SLOTS,) or longer where laws follow.
     """
+    p = borrowed(p)
     tilt = angle + p[slots.LEVEL]
     if p[slots.CURVATURE] != 0.0:
         tilt += p[slots.CURVATURE] * (p[slots.CURVATURE_CENTRE] - s)

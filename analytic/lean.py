@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import slots
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.lean_step import damped_step, friction_at, lost_to, push, resisted, smooth_step, tilted
 from analytic.motion import FloatArray
@@ -40,6 +41,7 @@ def smooth_run(
         first, last: stamps.
         out: s [m] and ṡ [m/s] at these stamps, shape (last − first + 1, 2); row 0 holds the start, the rest is filled.
     """
+    table, p = borrowed(table), borrowed(p)
     s, v, centrifugal = out[0, 0], out[0, 1], p[slots.CENTRIFUGAL]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
@@ -62,6 +64,7 @@ def dry_run(
     out: FloatArray,
 ) -> None:
     """As `smooth_run`, on the path `DRY`: a friction that can hold the ball."""
+    table, p = borrowed(table), borrowed(p)
     s, v, centrifugal = out[0, 0], out[0, 1], p[slots.CENTRIFUGAL]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):
@@ -86,6 +89,7 @@ def damped_run(
     dry: bool,
 ) -> None:
     """As `smooth_run`, on the paths `DAMPED` and, where `dry`, `DAMPED_DRY`: friction that grows with the velocity."""
+    table, p = borrowed(table), borrowed(p)
     s, v = out[0, 0], out[0, 1]
     for stamp in range(first + 1, last + 1):
         for j in range(marks[stamp - 1], marks[stamp]):

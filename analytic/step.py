@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analytic import slots
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.law import DRY_OF_TIME, OF_VELOCITY, acceleration, dry_limit, has_dry_friction, normal_force
 from analytic.motion import FloatArray
@@ -49,6 +50,7 @@ def advance(
     w is the internal state of an effect: the slip velocity ṡ − r (φ̇ − α̇) of a ball that can slip [m/s], or the pull of
     a Dahl friction on the ball, k F/m [m/s²]; else 0. A ball does not have both.
     """
+    beam, p = borrowed(beam), borrowed(p)
     middle, end = row + 1, row + 2
     if p[slots.DAHL] != 0.0:
         w = dahl(w, v, 0.5 * h, dahl_limit(s, v, beam[row, 0], beam[row, 1], beam[row, 2], p), p[slots.DAHL_STIFFNESS])

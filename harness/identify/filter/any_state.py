@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.law import has_dry_friction
 from analytic.lean_step import path_of
@@ -50,9 +51,10 @@ def any_state(
     points: bool,
     memory: Memory,
     first: int,
+    local: FloatArray,
     out: FilterOutput,
 ) -> None:
-    """Fill `out`; the other arguments are those of `extended_kalman_filter`.
+    """Fill `out`; `local` is a workspace, shape (3, columns of the table), the rest as for `extended_kalman_filter`.
 
     The covariance is L Lᵀ with L lower triangular, its first row the (lagging) position that is read: a reading
     multiplies the first column of L by √(R'/S') and leaves the others unchanged. With coloured noise c, which is in the
@@ -63,6 +65,7 @@ def any_state(
     what e + ė Δt/2 + ë Δt²/6 does, to the position what e + ė Δt/3 + ë Δt²/12 does. The change of ė over the step adds
     −K ℓ times itself to the velocity.
     """
+    p, beam, error, local, out = borrowed(p), borrowed(beam), borrowed(error), borrowed(local), borrowed(out)
     time, position = readings.time, readings.position
     lag, reading_variance = sensor.lag, sensor.reading_variance
     slips = p[TRACTION] != 0.0
@@ -89,7 +92,6 @@ def any_state(
     M = np.zeros((size, of_bend + (size + 1 if bends else 0)))
     F, L = np.zeros((size, size)), np.zeros((size, size))
     row_of_v = 2 if lag > 0.0 else 1
-    local = np.empty((3, beam.table.shape[1]))
     L[:] = memory.root[:size, :size]
     x[:] = memory.x
     begun = memory.begun[0]

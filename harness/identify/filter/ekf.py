@@ -76,18 +76,20 @@ def _filtered(
     """
     n = last - first
     out = FilterOutput(np.zeros(n), np.ones(n), np.empty((n, 4)), np.empty(n))
+    local = np.empty((3, beam.table.shape[1]))  # what is borrowed needs an owner that outlives it
     usual = p[TRACTION] == 0.0 and p[DAHL] == 0.0 and sensor.lag <= 0.0 and sensor.colour <= 0.0
     if usual and error.transition.shape[1] == 3:
-        usual_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)
+        usual_state(readings, beam, p, sensor, process_noise, error, points, memory, first, local, out)
     else:
-        any_state(readings, beam, p, sensor, process_noise, error, points, memory, first, out)
+        any_state(readings, beam, p, sensor, process_noise, error, points, memory, first, local, out)
     return out.innovation, out.innovation_variance, out.state, out.position_variance
 
 
 def penalty(ratio: FloatArray) -> FloatArray:
     """Robust penalty ρ of normalised innovations: squares up to 4, then linear (Huber), same shape."""
     size = np.abs(ratio)
-    return np.where(size < SPIKE, size**2, 2.0 * SPIKE * size - SPIKE**2)
+    squared = np.minimum(size, SPIKE)
+    return squared * (2.0 * size - squared)
 
 
 def negative_two_log_likelihood(innovation: FloatArray, innovation_variance: FloatArray | float) -> float:

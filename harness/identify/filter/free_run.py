@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
@@ -29,6 +30,7 @@ def free_runs(
         lag: T of the position sensor [s]; at first it is T ṡ behind, as after a motion at that velocity.
         starts: s [m] and ṡ [m/s] at the first stamp of each window, shape (windows, 2).
     """
+    beam, p = borrowed(beam), borrowed(p)
     out, path = np.empty(np.sum(last - first)), path_of(p)
     at = 0
     for i in range(len(first)):

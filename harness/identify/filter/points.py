@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.lean_step import path_of
 from analytic.motion import FloatArray
@@ -65,6 +66,7 @@ def step_at_points(
         dt: time between the stamps [s].
         local: workspace, shape (3, 3 or 4).
     """
+    L, M, beam, p = borrowed(L), borrowed(M), borrowed(beam), borrowed(p)
     ends, path = np.empty((2, 2)), path_of(p)
     mean_s, mean_v = s, v
     variance_s = M[0, 5] ** 2

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.law import acceleration, has_dry_friction
 from analytic.lean_step import path_of
@@ -45,13 +46,15 @@ def usual_state(
     points: bool,
     memory: Memory,
     first: int,
+    local: FloatArray,
     out: FilterOutput,
 ) -> None:
     """As `any_state`, written out for this state; it takes a third of the time."""
+    p, beam, error, here, out = borrowed(p), borrowed(beam), borrowed(error), borrowed(local), borrowed(out)
     time, position = readings.time, readings.position
     steps, marks = beam.steps, beam.marks
     reading_variance = sensor.reading_variance
-    L, M, x, here = np.zeros((5, 5)), np.zeros((5, _WIDTH)), np.empty(5), np.empty((3, beam.table.shape[1]))
+    L, M, x = np.zeros((5, 5)), np.zeros((5, _WIDTH)), np.empty(5)
     path = path_of(p)
     dry = points and has_dry_friction(p)
     L[:] = memory.root[:5, :5]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.borrowed import borrowed
 from analytic.compiled import njit
 from analytic.effects import SensorLaw
 from analytic.models import CAM
@@ -99,7 +100,7 @@ def _along(
     out: FloatArray,
 ) -> None:
     """Mean s̈ from each stamp to the next, restarted on the path at each stamp; internal states of effects continue."""
-    w = 0.0
+    table, p, w = borrowed(table), borrowed(p), 0.0
     for n in range(len(position) - 1):
         s, v, span = position[n], velocity[n], 0.0
         for j in range(marks[n], marks[n + 1]):
