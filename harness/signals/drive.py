@@ -87,6 +87,11 @@ class Drive(QuinticMotion):
         variance (`harness.signals.rests`)."""
         return self.error if self.inflation is None else self.error.inflated(self.inflation)
 
+    @property
+    def exactly_known(self) -> bool:
+        """Whether the angle is one that was given, without an error of measurement."""
+        return False
+
     def rougher(self, factor: float) -> Drive:
         """From the same readings, with `factor` times the density of the third derivative [1].
 

@@ -35,8 +35,8 @@ def followed(command: FloatArray, gain: float = 1.0) -> FloatArray:
 def test_a_beam_that_lags_follows_each_command_from_its_stamp_on() -> None:
     """Give the servo's equation its commands, with and without a gain before it.
 
-    Commands change by 30 mrad, over 0.1 ms in place of at once: 0.05 ms late, by the servo's rate of 0.6 rad/s; Euler's
-    steps of 0.02 ms are wrong by half of that.
+    Commands change by 30 mrad, over 0.1 ms about their stamps in place of at once; the servo's rate is up to 0.6 rad/s,
+    and Euler's steps of 0.02 ms are late by half of one.
     """
     servo = acting(ANGLE_SERVO.name, {"lag": LAG, "damping": DAMPING})
     for gain in (1.0, 1.3):
@@ -45,7 +45,7 @@ def test_a_beam_that_lags_follows_each_command_from_its_stamp_on() -> None:
         drive = held()
         states = beam_states(motion_with(drive, drive.time, effects), TIME)
         expected = followed(COMMAND, factor)
-        np.testing.assert_allclose(states[:, 0], expected[:, 0], atol=6e-5 * factor)
+        np.testing.assert_allclose(states[:, 0], expected[:, 0], atol=1.2e-5 * factor)
 
 
 def test_what_follows_is_exact_where_commands_come_fast() -> None:
@@ -60,13 +60,27 @@ def test_what_follows_is_exact_where_commands_come_fast() -> None:
 
 
 def test_no_later_command_moves_the_beam_before_its_stamp() -> None:
-    """Let the last of two commands that differ in one change nothing before that one's stamp."""
+    """Let the last of two commands that differ in one change nothing until that one's stamp."""
     other = COMMAND.copy()
     other[100] += 0.1
     servo = [acting(ANGLE_SERVO.name, {"lag": LAG, "damping": DAMPING})]
     one, two = (beam_states(motion_with(each, each.time, servo), TIME) for each in (held(), held(other)))
-    np.testing.assert_allclose(one[:101], two[:101], rtol=0.0, atol=1e-10)  # beside 10 rad/s²
+    np.testing.assert_allclose(one[:100], two[:100], rtol=0.0, atol=1e-10)  # beside 10 rad/s²
+    # Over the 0.05 ms before it, by a mean of 25 mrad at most: (2/0.15)² times that, twice integrated.
+    np.testing.assert_allclose(one[100, 0], two[100, 0], rtol=0.0, atol=0.5 * (2.0 / LAG) ** 2 * 0.025 * 5e-5**2)
     assert abs(one[105, 0] - two[105, 0]) > 1e-3
+
+
+def test_at_a_stamp_the_acceleration_is_the_mean_of_those_before_and_after() -> None:
+    """Give steps that end and begin at a stamp what they have together: a servo's acceleration jumps there."""
+    servo = [acting(ANGLE_SERVO.name, {"lag": LAG, "damping": DAMPING})]
+    drive = held()
+    before, at, after = (
+        beam_states(motion_with(drive, drive.time, servo), TIME[1:-1] + late)[:, 2] for late in (-1e-4, 0.0, 1e-4)
+    )
+    # Over 0.1 ms either way the acceleration falls by its rate's and angle's share, 2/T and (2/T)²: 0.3 % of it.
+    np.testing.assert_allclose(at, 0.5 * (before + after), atol=0.003 * np.abs(at).max())
+    assert np.abs(after - before).max() > 5.0
 
 
 def test_without_a_lag_it_has_no_rate() -> None:
@@ -99,4 +113,4 @@ def test_it_has_next_to_no_error_and_is_not_smoothed() -> None:
     assert drive.rougher(100.0) is drive.quieter(0.1) is drive
     scatter = np.array([one.states[:, 0] - drive.states[:, 0] for one in drive.draw(50, seed=0)])
     np.testing.assert_allclose(scatter.std(), 1e-6, rtol=0.05)
-    assert drive.error.covariance.shape == (399, 3, 3)
+    assert drive.error.covariance.shape == (598, 3, 3)

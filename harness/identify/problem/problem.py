@@ -193,8 +193,10 @@ class PreparedRecording:
 
         To first order: a gain multiplies the error, and what a delay of the position shifts it by is short against the
         time over which its variance changes. Behind a play or a lag it is another one (`behind_play`,
-        `behind_follower`).
+        `behind_follower`). An angle without an error has none behind them either.
         """
+        if self.drive.exactly_known:
+            return self.error
         effects = effects if self.error_of is None else self.error_of
         through, followers = transmission_with(effects), followers_with(effects)
         if through.play > 0.0 or followers:
