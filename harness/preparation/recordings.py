@@ -66,7 +66,7 @@ def observe(
             "are known; check that the column is there and named ball_position_m, leave the positions of the first "
             f"second or so in it, or choose another recording. {_unused(recording)}".rstrip()
         )
-    drive = make_drive(
+    drive: Drive = make_drive(
         recording.time,
         recording.angle,
         resolution=sensors.angle_resolution or inferred_resolution(recording.angle),

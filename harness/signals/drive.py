@@ -8,6 +8,7 @@ the spline, never differences of counts. docs/drive.md has the reasons and the m
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -55,7 +56,7 @@ class AngleSensor:
 
 
 @dataclass(frozen=True)
-class Drive(QuinticMotion):
+class Drive(QuinticMotion, ABC):
     """A beam motion estimated from a recording; `time` and `states` are at the recording's stamps.
 
     Attributes:
@@ -71,15 +72,13 @@ class Drive(QuinticMotion):
     std: FloatArray
     sensor: AngleSensor
     residual_ratio: float
-    _smoothed: Smoothed
-    _variance: FloatArray
     reading: FloatArray
     inflation: FloatArray | None = None
 
     @cached_property
+    @abstractmethod
     def error(self) -> ErrorProcess:
         """The error of `states` as a Gauss–Markov process."""
-        return error_process(self._smoothed, self._variance)
 
     @cached_property
     def shared_error(self) -> ErrorProcess:
@@ -92,42 +91,67 @@ class Drive(QuinticMotion):
         """Whether the angle is one that was given, without an error of measurement."""
         return False
 
+    @abstractmethod
     def rougher(self, factor: float) -> Drive:
         """From the same readings, with `factor` times the density of the third derivative [1].
 
         What moves the beam within a count, or within its noise, is not in the readings: the density that they tell is
         then too small, and the stated errors with it.
         """
-        if factor == 1.0:
-            return self
-        sensor, density = self.sensor, factor * self._smoothed.density
-        smoothed, variance, _ = _smooth(self.time, self.reading, sensor, sensor.noise, density)
-        return _drive(self.reading, sensor, smoothed, variance)
 
+    @abstractmethod
     def quieter(self, share: float) -> Drive:
         """From the same readings, of whose noise only `share` [1] is an error; the rest is motion.
 
         Readings that are known within their counts stay as they are.
         """
-        if share == 1.0 or self.sensor.rounded:
-            return self
-        resolution = self.sensor.resolution or None
-        return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)
 
     @property
     def gentle(self) -> BeamMotion:
         """The motion for an engine, whose ball a beam that jumps throws off the rails: this one."""
         return self
 
+    @abstractmethod
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
-        """`count` beam motions drawn from the posterior; they scatter by the drive's correlated error."""
-        paths = draw(self._smoothed, self._variance, count, np.random.default_rng(seed))
+        """`count` beam motions that scatter by the error."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmoothedDrive(Drive):
+    """A drive from the readings of a sensor: `smoothed` is their posterior, `variance` theirs, shape (n,) [rad²]."""
+
+    smoothed: Smoothed
+    variance: FloatArray
+
+    @cached_property
+    def error(self) -> ErrorProcess:
+        """The error of `states` as a Gauss–Markov process."""
+        return error_process(self.smoothed, self.variance)
+
+    def rougher(self, factor: float) -> SmoothedDrive:
+        """See `Drive`."""
+        if factor == 1.0:
+            return self
+        sensor, density = self.sensor, factor * self.smoothed.density
+        smoothed, variance, _ = _smooth(self.time, self.reading, sensor, sensor.noise, density)
+        return _drive(self.reading, sensor, smoothed, variance)
+
+    def quieter(self, share: float) -> SmoothedDrive:
+        """See `Drive`."""
+        if share == 1.0 or self.sensor.rounded:
+            return self
+        resolution = self.sensor.resolution or None
+        return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)
+
+    def draw(self, count: int, seed: int) -> list[QuinticMotion]:
+        """Drawn from the posterior, with the drive's correlated error."""
+        paths = draw(self.smoothed, self.variance, count, np.random.default_rng(seed))
         return [QuinticMotion(self.time, path) for path in paths]
 
 
 def make_drive(
     time: FloatArray, angle: FloatArray, *, resolution: float | None = None, noise: float | None = None
-) -> Drive:
+) -> SmoothedDrive:
     """Estimate the beam's motion from a recorded angle.
 
     Args:
@@ -156,9 +180,9 @@ def _smooth(
     return smooth_rounded(time, angle, 0.0, max(math.sqrt(sensor.variance), _LEAST_NOISE), density)
 
 
-def _drive(angle: FloatArray, sensor: AngleSensor, smoothed: Smoothed, variance: FloatArray) -> Drive:
+def _drive(angle: FloatArray, sensor: AngleSensor, smoothed: Smoothed, variance: FloatArray) -> SmoothedDrive:
     known = np.isfinite(angle)
     std = np.sqrt(np.diagonal(smoothed.covariance, axis1=1, axis2=2).clip(min=0.0))
     residual = float(np.sqrt(np.mean((angle - smoothed.mean[:, 0])[known] ** 2)))
     ratio = residual / max(math.sqrt(sensor.variance), _LEAST_NOISE)
-    return Drive(smoothed.time, smoothed.mean, std, sensor, ratio, smoothed, variance, angle)
+    return SmoothedDrive(smoothed.time, smoothed.mean, std, sensor, ratio, angle, smoothed=smoothed, variance=variance)

@@ -18,7 +18,6 @@ from analytic.motion import BeamMotion, DelayedMotion, FloatArray
 from analytic.quintic import LinearMotion, QuinticMotion
 from harness.signals.drive import AngleSensor, Drive
 from harness.signals.error_process import ErrorProcess
-from harness.signals.spline_smoother import Smoothed
 
 # Of the time to the stamp before or after, and at most [s]: how long before and after its stamp the beam turns to a
 # command. At the stamp what lags has the mean of its accelerations before and after: a step of the integration that
@@ -118,18 +117,7 @@ def held_drive(smoothed: Drive) -> HeldDrive:
     order = np.argsort(knots)
     knots, values = knots[order], values[order]
     states = np.column_stack((values, np.zeros((len(knots), 2))))
-    nothing = Smoothed(knots, states, np.zeros((len(knots), 3, 3)), np.zeros(len(knots) - 1), 0.0)
     std = np.zeros_like(states)
     std[:, 0] = _ERROR
-    return HeldDrive(
-        knots,
-        states,
-        std,
-        AngleSensor(0.0, 0.0, estimated=False),
-        1.0,
-        nothing,
-        np.full(len(knots), _ERROR**2),
-        values,
-        smoothed=smoothed,
-        commands=given,
-    )
+    exact = AngleSensor(0.0, 0.0, estimated=False)
+    return HeldDrive(knots, states, std, exact, 1.0, values, smoothed=smoothed, commands=given)

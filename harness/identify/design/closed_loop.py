@@ -21,7 +21,7 @@ from harness.identify.filter.run import run_filter
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor
-from harness.signals.drive import AngleSensor, Drive
+from harness.signals.drive import AngleSensor, SmoothedDrive
 from harness.signals.spline_smoother import Smoothed
 
 _STIFFEST = 28.0  # [1/s]: 2 ζ ω₀ of a servo with ω₀ = 14 rad/s and ζ = 1
@@ -183,9 +183,12 @@ def repeated(values: Terms) -> Terms:
     return values
 
 
-def drive_through(time: FloatArray, states: FloatArray) -> Drive:
+def drive_through(time: FloatArray, states: FloatArray) -> SmoothedDrive:
     """The drive through exactly known α, α̇, α̈, shape (n, 3), at `time`, shape (n,) [s]."""
     covariance = np.zeros((len(time), 3, 3))
     smoothed = Smoothed(time, states, covariance, np.zeros(len(time) - 1), 0.0)
     exact = AngleSensor(0.0, 0.0, False)
-    return Drive(time, states, np.zeros_like(states), exact, 1.0, smoothed, np.zeros(len(time)), states[:, 0])
+    known = np.zeros(len(time))
+    return SmoothedDrive(
+        time, states, np.zeros_like(states), exact, 1.0, states[:, 0], smoothed=smoothed, variance=known
+    )
