@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from analytic.effects import ANGLE_SERVO, ROLLING_RESISTANCE, VISCOUS_DAMPING
+from analytic.effects import ANGLE_SERVO, LEVEL_ERROR, ROLLING_RESISTANCE, VISCOUS_DAMPING
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -29,14 +29,15 @@ _FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
 def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     """Whether the ball's readings are more likely with a beam that follows each command than with a smoothed angle.
 
-    Both have the same recordings, and a servo, with or without dry friction. The deviance has to be as much lower as an
-    effect has to lower it.
+    Both have the same recordings, a level error and a servo, with or without dry friction: where the level is off,
+    process noise covers what else a model does not explain. The deviance has to be as much lower as an effect has to
+    lower it.
     """
     smoothed, held = (problem.beginning(_READINGS) for problem in (smoothed, held))
     price = smoothed.settings.keep + math.log(smoothed.readings)
 
     def lowest_deviance(problem: Problem) -> float:
-        return min(_deviance(problem, names) for names in (_DRY, (ANGLE_SERVO.name,)))
+        return min(_deviance(problem, (LEVEL_ERROR.name, *names)) for names in (_DRY, (ANGLE_SERVO.name,)))
 
     return lowest_deviance(held) < lowest_deviance(smoothed) - price
 
@@ -65,5 +66,5 @@ def told_noise_share(problem: Problem) -> float:
 
 def _deviance(problem: Problem, names: tuple[str, ...]) -> float:
     """Lowest deviance with these effects beside those that are known."""
-    known = {term.effect.name for term in problem.declared}
+    known = {*problem.unknown, *(term.effect.name for term in problem.declared)}
     return fit(problem, Hypothesis((*problem.unknown, *(name for name in names if name not in known)))).deviance

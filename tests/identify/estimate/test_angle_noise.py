@@ -34,10 +34,11 @@ identify = ["rec_01.csv", "rec_02.csv"]
 """
 
 
-def controlled(seed: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def controlled(seed: int, level: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Stamps [s], command [rad], the beam's angle [rad] and noisy positions [m] of a controlled ball, 25 s.
 
-    The controller knows the noisy position and gives a command at each stamp; the beam follows it with a lag.
+    The controller knows the noisy position and gives a command at each stamp; the beam follows it with a lag. `level` is
+    the tilt of the rig [rad].
     """
     rng = np.random.default_rng(seed)
     every, count = round(1.0 / RATE / STEP), round(25.0 * RATE)
@@ -52,8 +53,8 @@ def controlled(seed: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArra
             wanted = float(np.clip(-0.7 * (read - levels[int(k * STEP / 2.5) % 10]) - 0.5 * speed, -0.14, 0.14))
             time[i], command[i], angle[i], position[i], before = k * STEP, wanted, alpha, read, read
         angular = (2.0 / LAG) ** 2 * (wanted - alpha) - 2.0 * (2.0 / LAG) * rate  # critically damped
-        pull = GRAVITY * math.sin(alpha) + s * rate**2 - lever * angular
-        held = ROLLING * max(GRAVITY * math.cos(alpha) - 2.0 * v * rate - s * angular, 0.0)
+        pull = GRAVITY * math.sin(alpha + level) + s * rate**2 - lever * angular
+        held = ROLLING * max(GRAVITY * math.cos(alpha + level) - 2.0 * v * rate - s * angular, 0.0)
         if v == 0.0 and abs(pull) <= held:
             faster = 0.0
         else:
@@ -65,16 +66,17 @@ def controlled(seed: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArra
     return time, command, angle, position
 
 
-def write(folder: Path, *, measured: float | None, late: int = 0) -> Path:
+def write(folder: Path, *, measured: float | None, late: int = 0, level: float = 0.0) -> Path:
     """A case of two recordings, of the command or of the angle measured with noise [rad]; nothing is declared of it.
 
     Args:
         late: rows by which the command is logged behind the reading that it answers.
+        level: tilt of the rig [rad].
     """
     folder.mkdir()
     (folder / "rig.toml").write_text(RIG)
     for number in (1, 2):
-        time, command, angle, position = controlled(number)
+        time, command, angle, position = controlled(number, level)
         noise = np.random.default_rng(number).normal(0.0, 1.0, len(time))
         told = np.concatenate((command[:1].repeat(late), command))[: len(time)]
         column = told if measured is None else angle + measured * noise
@@ -102,6 +104,11 @@ def test_a_command_is_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     whole = deviance(problem, found.terms, found.process_noise)
     monkeypatch.setattr(HeldDrive, "exactly_known", False)
     assert deviance(problem, found.terms, found.process_noise) == pytest.approx(whole, abs=0.01)
+
+
+def test_a_level_that_is_off_hides_no_command(tmp_path: Path) -> None:
+    """Follow a command from its row on where the rig is tilted by 0.5 degrees, of which nothing is known."""
+    assert problem_of(load_case(write(tmp_path / "case", measured=None, level=0.009))).held_command
 
 
 @pytest.mark.slow
