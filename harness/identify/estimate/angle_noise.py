@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from analytic.effects import ANGLE_SERVO, LEVEL_ERROR, ROLLING_RESISTANCE, VISCOUS_DAMPING
+from analytic.effects import ANGLE_SERVO, LEVEL_ERROR, ROLLING_RESISTANCE, TRACK_CURVATURE, VISCOUS_DAMPING
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -24,22 +24,31 @@ _SAME = 2.0  # differences of the deviance that tell nothing of a share
 # Where the beam lags behind the angle, the ball tells the share by a model that lags, too, and by no other.
 _DRY = (ROLLING_RESISTANCE.name, ANGLE_SERVO.name)
 _FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
+# What is asked for beside a command and the servo that it drives: what most rigs have, from what is there most often.
+_BESIDE_SERVO = (
+    (LEVEL_ERROR.name,),
+    (LEVEL_ERROR.name, ROLLING_RESISTANCE.name),
+    (LEVEL_ERROR.name, VISCOUS_DAMPING.name),
+    (TRACK_CURVATURE.name,),
+)
 
 
 def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     """Whether the ball's readings are more likely with a beam that follows each command than with a smoothed angle.
 
-    Both have the same recordings, a level error and a servo, with or without dry friction: where the level is off,
-    process noise covers what else a model does not explain. The deviance has to be as much lower as an effect has to
-    lower it.
+    Both have the same recordings, a servo, and one after the other of what most rigs have beside it, until the lowest
+    deviance of the one is below that of the other by as much as an effect has to lower it. Where something is missing
+    in both, process noise covers what either explains.
     """
     smoothed, held = (problem.beginning(_READINGS) for problem in (smoothed, held))
     price = smoothed.settings.keep + math.log(smoothed.readings)
-
-    def lowest_deviance(problem: Problem) -> float:
-        return min(_deviance(problem, (LEVEL_ERROR.name, *names)) for names in (_DRY, (ANGLE_SERVO.name,)))
-
-    return lowest_deviance(held) < lowest_deviance(smoothed) - price
+    lowest, of_held = math.inf, math.inf
+    for names in _BESIDE_SERVO:
+        lowest = min(lowest, _deviance(smoothed, (*names, ANGLE_SERVO.name)))
+        of_held = min(of_held, _deviance(held, (*names, ANGLE_SERVO.name)))
+        if of_held < lowest - price:
+            return True
+    return False
 
 
 def told_noise_share(problem: Problem) -> float:

@@ -37,8 +37,10 @@ identify = ["rec_01.csv", "rec_02.csv"]
 def controlled(seed: int, level: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Stamps [s], command [rad], the beam's angle [rad] and noisy positions [m] of a controlled ball, 25 s.
 
-    The controller knows the noisy position and gives a command at each stamp; the beam follows it with a lag. `level` is
-    the tilt of the rig [rad].
+    The controller knows the noisy position and gives a command at each stamp; the beam follows it with a lag.
+
+    Args:
+        level: tilt of the rig [rad].
     """
     rng = np.random.default_rng(seed)
     every, count = round(1.0 / RATE / STEP), round(25.0 * RATE)
