@@ -15,6 +15,7 @@ from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.problem.windows import AHEAD
 from harness.identify.selection.criterion import Criterion
+from harness.identify.shaken_beam import may_be_shaking
 from harness.identify.validation.baseline_comparison import AFTER, FORECASTS
 from harness.identify.validation.held_out import BeforeAfter
 from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
@@ -116,9 +117,11 @@ def _found(diagnosis: Diagnosis) -> str:
 
 
 def _doubts(finding: IdentifiedEffect, problem: Problem) -> str:
-    """In brackets: rivals, parameters that end at a bound, an interval that holds the value of no effect."""
+    """In brackets: rivals, what else does as much, parameters at a bound, an interval that holds no effect too."""
     rivals = [words(name) for name in finding.indistinguishable_from]
     said = [f"indistinguishable from {' or '.join(rivals)}"] if rivals else []
+    if may_be_shaking(problem, finding.name, {name: one.value for name, one in finding.parameters.items()}):
+        said.append("a beam that shakes between the readings of its angle, as fast as they show, does as much")
     effect = CATALOGUE.get(finding.name)
     for one in () if effect is None else effect.parameters:
         found, neutral = finding.parameters[one.name], one.neutral_on(problem.rig)

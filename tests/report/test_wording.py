@@ -67,6 +67,17 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
     )
 
 
+def test_a_bending_that_shaking_would_do_is_called_so(plain: Posed) -> None:
+    """Say of a beam that hardly bends that one which shakes does as much, and nothing of one that bends."""
+
+    def bent(compliance: float) -> str:
+        size = Estimate(compliance, 0.9 * compliance, 1.1 * compliance, "rad/(N m)")
+        return said(plain, Verdict.EFFECT, (IdentifiedEffect("beam_compliance", {"compliance": size}, ()),))
+
+    assert "(a beam that shakes between the readings of its angle, as fast as they show, does as much)" in bent(1e-6)
+    assert "shakes" not in bent(0.05)
+
+
 def test_an_implausible_size_is_called_so(plain: Posed) -> None:
     """Say of a friction that would hold the ball on a steep beam, and of a small gain, that it is implausible."""
     steep = IdentifiedEffect(
