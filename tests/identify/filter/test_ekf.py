@@ -60,7 +60,8 @@ def run(
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     form = any_state if general else usual_state
     sensor = Sensor(gain, 0.0, problem.reading_variance, *curve)
-    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, Memory.blank(record.error), 0, out)
+    local, memory = np.empty((3, table.shape[1])), Memory.blank(record.error)
+    form(Readings(record.time, reading), beam, p, sensor, 1e-7, record.error, True, memory, 0, local, out)
     return out
 
 

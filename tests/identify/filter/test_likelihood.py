@@ -79,6 +79,7 @@ def test_the_likelihood_is_the_dense_one(form, process_noise: float) -> None:
         True,
         Memory.blank(error),
         0,
+        np.empty((3, 3)),
         out,
     )
     found = negative_two_log_likelihood(out.innovation[1:][read], out.innovation_variance[1:][read])
