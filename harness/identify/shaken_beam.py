@@ -20,9 +20,11 @@ from harness.identify.problem.problem import Problem
 def may_be_shaking(problem: Problem, name: str, values: Mapping[str, float]) -> bool:
     """Whether an effect tilts the track outward by no more than a beam would that shakes as fast as it moves.
 
+    Of a command that is held the beam's rates are not known (`HeldDrive`), and nothing is said.
+
     Args:
         name: of the effect.
-        values: its parameters.
+        values: its parameters by name, in the units of the catalogue: compliance [rad/(N m)], curvature [1/m].
     """
     if name == BEAM_COMPLIANCE.name:
         tilt = values["compliance"] * problem.rig.mass * problem.rig.gravity  # 1/m

@@ -87,8 +87,8 @@ class Drive(QuinticMotion, ABC):
         return self.error if self.inflation is None else self.error.inflated(self.inflation)
 
     @property
-    def exactly_known(self) -> bool:
-        """Whether the angle is one that was given, without an error of measurement."""
+    def commanded(self) -> bool:
+        """Whether the angle is a command, which has no error, behind nothing that the beam does with it either."""
         return False
 
     @abstractmethod

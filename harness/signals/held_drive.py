@@ -70,8 +70,8 @@ class HeldDrive(Drive):
         return np.column_stack((self.evaluate(time), np.zeros((len(time), 2))))
 
     @property
-    def exactly_known(self) -> bool:
-        """Always: it was commanded."""
+    def commanded(self) -> bool:
+        """Always."""
         return True
 
     @cached_property
@@ -109,13 +109,10 @@ def held_drive(smoothed: Drive) -> HeldDrive:
     given = angle[known[np.maximum(np.searchsorted(known, np.arange(len(time)), side="right") - 1, 0)]]
     turning = np.minimum(_TURNING * np.diff(time), _LONGEST)
     before = np.concatenate((given[:1], given[:-1]))
+    early, late = np.append(0.0, turning), np.append(turning, 0.0)
     # No turn to the first command, before which none is known; half of one to the last, which moves nothing.
-    knots = np.concatenate((time[:1], np.ravel(np.column_stack((time[1:] - turning, time[1:]))), time[:-1] + turning))
-    values = np.concatenate(
-        (given[:1], np.ravel(np.column_stack((before[1:], 0.5 * (before + given)[1:]))), given[:-1])
-    )
-    order = np.argsort(knots)
-    knots, values = knots[order], values[order]
+    knots = np.column_stack((time - early, time, time + late)).ravel()[1:-1]
+    values = np.column_stack((before, 0.5 * (before + given), given)).ravel()[1:-1]
     states = np.column_stack((values, np.zeros((len(knots), 2))))
     std = np.zeros_like(states)
     std[:, 0] = _ERROR

@@ -193,9 +193,9 @@ class PreparedRecording:
 
         To first order: a gain multiplies the error, and what a delay of the position shifts it by is short against the
         time over which its variance changes. Behind a play or a lag it is another one (`behind_play`,
-        `behind_follower`). An angle without an error has none behind them either.
+        `behind_follower`). A command has no error behind them either.
         """
-        if self.drive.exactly_known:
+        if self.drive.commanded:
             return self.error
         effects = effects if self.error_of is None else self.error_of
         through, followers = transmission_with(effects), followers_with(effects)

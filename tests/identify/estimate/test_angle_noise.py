@@ -104,7 +104,7 @@ def test_a_command_is_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         assert deviations[name] < 0.05 * true
     # An error of 1e-6 rad, behind the servo too, tells nothing else than none.
     whole = deviance(problem, found.terms, found.process_noise)
-    monkeypatch.setattr(HeldDrive, "exactly_known", False)
+    monkeypatch.setattr(HeldDrive, "commanded", False)
     assert deviance(problem, found.terms, found.process_noise) == pytest.approx(whole, abs=0.01)
 
 
