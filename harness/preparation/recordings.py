@@ -10,7 +10,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.recording import Recording, Sensors, inferred_resolution
+from harness.recording import Recording, Sensors
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
 from harness.signals.held_drive import held_drive
@@ -69,12 +69,12 @@ def observe(
     drive: Drive = make_drive(
         recording.time,
         recording.angle,
-        resolution=sensors.angle_resolution or inferred_resolution(recording.angle),
+        resolution=sensors.angle_resolution or recording.angle_step,
         noise=sensors.angle_noise,
     ).quieter(noise_share)
     if held_command:
         drive = held_drive(drive)
-    resolution = sensors.position_resolution or inferred_resolution(recording.position)
+    resolution = sensors.position_resolution or recording.position_step
     position = np.where(recording.usable, recording.position, np.nan)
     ball = estimate_ball(recording.time, position, drive, rig, noise=sensors.position_noise, resolution=resolution)
     return Observed(recording, drive, ball, math.hypot(ball.noise, (resolution or 0.0) / math.sqrt(12.0)))

@@ -9,11 +9,11 @@ import numpy as np
 from analytic.naming import did_you_mean
 from analytic.rig import Rig
 from harness.errors import InputError
+from harness.recording.end_stops import common_stops
 from harness.recording.findings import DataFinding, quoted
 from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_of
 from harness.recording.own_files import OWN_FILES, is_own
 from harness.recording.recording import Recording, load_recording
-from harness.recording.resolution import inferred_resolution
 from harness.recording.rig_file import RigFile, read_rig_file
 from harness.scene import Scene
 
@@ -139,16 +139,15 @@ def _with_rig_file(path: Path, file: Path) -> Case:
     content = read_rig_file(file)
     folder = file.parent
     identify, predict, findings = _recording_lists(file, content)
-    recordings: dict[str, Recording] = {}
-    for name in dict.fromkeys((*identify, *predict)):
-        try:
-            recordings[name] = load_recording(folder / name, rig=content.rig, sensors=content.sensors)
-        except InputError as error:
-            if content.identify is not None:
-                raise
-            raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
+    files = {name: folder / name for name in (*identify, *predict)}
+    try:
+        recordings = _loaded(files, content.rig, content.sensors)
+    except InputError as error:
+        if content.identify is not None:
+            raise
+        raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
     findings += [*_duplicates(recordings, (*identify, *predict), file.name), *_of_recordings(recordings, identify)]
-    recordings, identify = _with_parts(recordings, identify)
+    recordings, identify = _with_parts(_of_one_sensor(recordings), identify)
     return Case(
         path=path,
         origin=content.origin,
@@ -172,7 +171,7 @@ def _rolls_at(recordings: dict[str, Recording]) -> float | None:
 
 def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     rig = known_rig_of(Rig())
-    recordings = {file.name: load_recording(file, rig=rig) for file in files}
+    recordings = _loaded({file.name: file for file in files}, rig, Sensors())
     where = path.resolve().name  # "." has no name of its own
     if path.is_file() and (path.parent / RIG_FILE).exists():
         about_rig = DataFinding("warning", where, RIG_FILE_NOT_USED, "rig-file-ignored")
@@ -181,7 +180,7 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     own = _own_files(path) if path.is_dir() else []
     names = tuple(recordings)
     findings = (about_rig, *own, *_duplicates(recordings, names, where), *_of_recordings(recordings, names))
-    recordings, identify = _with_parts(recordings, names)
+    recordings, identify = _with_parts(_of_one_sensor(recordings), names)
     return Case(
         path=path,
         origin=None,
@@ -198,6 +197,18 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
     )
 
 
+def _loaded(files: Mapping[str, Path], rig: KnownRig, sensors: Sensors) -> dict[str, Recording]:
+    """The recordings by name; where others tell of an end stop that one does not, it is looked for there too.
+
+    Raises:
+        InputError: a file is invalid.
+    """
+    found = {name: load_recording(file, rig=rig, sensors=sensors) for name, file in files.items()}
+    common = common_stops([one.stops for one in found.values()])
+    again = [name for name, one in found.items() if common.adds_to(one.stops)]
+    return found | {name: load_recording(files[name], rig=rig, sensors=sensors, stops=common) for name in again}
+
+
 def _with_parts(
     recordings: dict[str, Recording], identify: tuple[str, ...]
 ) -> tuple[dict[str, Recording], tuple[str, ...]]:
@@ -210,9 +221,27 @@ def _with_parts(
     return named | recordings, tuple(named)
 
 
+def _of_one_sensor(recordings: dict[str, Recording]) -> dict[str, Recording]:
+    """The same; where too few different readings tell a step, as on a beam that stands still, it is that of the others.
+
+    They share one sensor, and the coarsest step is too fine for none.
+    """
+    angle_step, position_step = (_coarsest(recordings, channel) for channel in ("angle", "position"))
+
+    def completed(one: Recording) -> Recording:
+        return replace(
+            one,
+            angle_step=one.angle_step or angle_step,
+            position_step=one.position_step or position_step,
+            further=tuple(map(completed, one.further)),
+        )
+
+    return {name: completed(one) for name, one in recordings.items()}
+
+
 def _coarsest(recordings: dict[str, Recording], channel: str) -> float | None:
-    """Largest inferred resolution over the recordings, which share one sensor: never too fine for any of them."""
-    seen = (inferred_resolution(getattr(recording, channel)) for recording in recordings.values())
+    """Largest step of a channel, "angle" or "position", over the recordings, which share one sensor."""
+    seen = (getattr(recording, f"{channel}_step") for recording in recordings.values())
     return max((step for step in seen if step is not None), default=None)
 
 

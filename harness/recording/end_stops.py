@@ -7,12 +7,15 @@ more than friction can hold a rolling ball, lies against a stop. At an impact th
 whichever way the beam falls, and for longer than any delay lasts, is held, as by a hand that lets it go. An angle that
 is not the beam's, as that of a motor before a linkage, makes any tilt look steep: the ball has to follow the tilt in
 the rest of the recording.
+
+A ball that lies against a stop on a less steep beam may as well be held by friction, unless other recordings of the rig
+tell that there is a stop.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -65,6 +68,46 @@ class Contact:
     touch: Touch
 
 
+@dataclass(frozen=True)
+class Stops:
+    """Where the rig's end stops hold the ball; `None` where none is known.
+
+    Attributes:
+        low, high: positions of the ball [m].
+    """
+
+    low: float | None = None
+    high: float | None = None
+
+    def adds_to(self, other: Stops) -> bool:
+        """Whether it has a stop that the other has not."""
+        pairs = ((self.low, other.low), (self.high, other.high))
+        return any(mine is not None and its is None for mine, its in pairs)
+
+
+NO_STOPS = Stops()
+
+
+def common_stops(found: Sequence[Stops]) -> Stops:
+    """The stops on which two recordings of a rig agree, of what was found in each.
+
+    The outermost place is the stop's: the readings of a ball that bounces may all fall beside the impact.
+    """
+    lows = [-one.low for one in found if one.low is not None]
+    highs = [one.high for one in found if one.high is not None]
+    if not lows and not highs:
+        return NO_STOPS
+    travel = max(highs, default=0.0) + max(lows, default=0.0)
+    low, high = (_agreed(places, NEAR * travel) for places in (lows, highs))
+    return Stops(None if low is None else -low, high)
+
+
+def _agreed(places: Sequence[float], apart: float) -> float | None:
+    """The largest place, if another one is no farther away."""
+    ordered = sorted(places)
+    return ordered[-1] if len(ordered) > 1 and ordered[-1] - ordered[-2] <= apart else None
+
+
 def end_stops(
     time: FloatArray,
     angle: FloatArray,
@@ -73,8 +116,10 @@ def end_stops(
     *,
     resolution: float,
     gravity: float,
-) -> tuple[Contact, ...]:
-    """All contacts, in order; none if the ball does not follow the tilt elsewhere.
+    known: Stops = NO_STOPS,
+) -> tuple[tuple[Contact, ...], Stops]:
+    """All contacts, in order, and the stops that this recording tells; none if the ball does not follow the tilt
+    elsewhere.
 
     A stop is found by a rest or an impact that nothing else explains; then all that comes as far is a contact.
 
@@ -85,32 +130,35 @@ def end_stops(
         usable: positions that are known, no spikes and not set aside, shape (n,).
         resolution: of the positions [m], 0 if unknown.
         gravity: g [m/s²].
+        known: stops that other recordings tell.
     """
     at = np.flatnonzero(usable)
     if len(at) < 4 * FEWEST:
-        return ()
+        return (), NO_STOPS
     block = block_length(time[at])
     t, alpha, s = (block_means(channel[at], block) for channel in (time, angle, position))
     if len(t) < 4 * FEWEST:
-        return ()
+        return (), NO_STOPS
     range_ = float(np.ptp(s))
     band = max(SIGMAS * noise_of(s) + resolution, BAND * range_)
     impacts = list(_impacts(t, alpha, s, gravity))
     found: list[Contact] = []
-    for side in (-1.0, 1.0):
+    own: list[float | None] = []
+    for side, elsewhere in ((-1.0, known.low), (1.0, known.high)):
         places = [s[first : last + 1] for first, last in _rests(t, side * alpha, side * s, band, gravity)]
         places += [s[i : i + 1] for i in impacts if side * (s[i] - np.median(s)) > 0.0]
-        if places:
-            stop = float(np.median(np.concatenate(places)))
+        own.append(float(np.median(np.concatenate(places))) if places else None)
+        stop = elsewhere if own[-1] is None else own[-1]
+        if stop is not None:
             found += _contacts(t, side * (s - stop), stop, band, max(band, NEAR * range_))
     if not any(one.first == 0 for one in found):
         found += _held_at_first(t, alpha, s, band, gravity)
     if not found or not _follows(t, alpha, s, found, gravity):
-        return ()
+        return (), NO_STOPS
     contacts = (
         replace(one, first=int(at[one.first * block]), last=int(at[(one.last + 1) * block - 1])) for one in found
     )
-    return tuple(sorted(contacts, key=lambda one: one.first))
+    return tuple(sorted(contacts, key=lambda one: one.first)), Stops(*own)
 
 
 def _contacts(t: FloatArray, beyond: FloatArray, stop: float, band: float, near: float) -> Iterator[Contact]:

@@ -116,9 +116,11 @@ def _against_physics(signals: Signals) -> Iterator[Implausible]:
     if response is None:
         return
     if is_conclusive(response) and plausible_slope(response.slope):
-        factor = rate_error(response, signals.rig)
-        if factor is not None:
-            yield Implausible("rate", _rate_text(response.slope, factor))
+        if rate_error(response, signals.rig) is not None:
+            late = tilt_response(step, angle, position, gravity=signals.gravity, delayed=True)
+            factor = rate_error(late, signals.rig) if late else None
+            if late and factor is not None:
+                yield Implausible("rate", _rate_text(late.slope, factor))
         return
     # A short swing may fit either assignment; a ball's travel in metres exceeds the beam's swing in radians.
     if np.max(np.abs(angle)) > np.max(np.abs(position)):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.recording.bunches import evened
 from harness.recording.columns import QUANTITIES, QuantityName, find_columns
+from harness.recording.end_stops import NO_STOPS, Stops
 from harness.recording.findings import DataFinding, place, rows_text
 from harness.recording.held import repeats
 from harness.recording.known_rig import KnownRig, Sensors
@@ -49,6 +50,9 @@ class Recording:
         cut_off: stamps [s] and positions [m] that are in no part of the file that is used; shape (k, 2).
         findings: warnings and notes on the data.
         sha256: of the file's bytes.
+        angle_step: distance of two readings of the angle, inferred from the whole file; `None` if that has none [rad].
+        position_step: likewise of the position [m].
+        stops: the end stops that the file tells.
         further: other parts of the file, where a fault, an end stop or a push parts it, as recordings of their own.
     """
 
@@ -63,6 +67,9 @@ class Recording:
     cut_off: FloatArray
     findings: tuple[DataFinding, ...]
     sha256: str
+    angle_step: float | None = None
+    position_step: float | None = None
+    stops: Stops = NO_STOPS
     further: tuple[Recording, ...] = ()
 
     @property
@@ -81,13 +88,16 @@ class Recording:
         return np.concatenate((self.cut_off, np.column_stack((self.time, self.position))[self.set_aside]))
 
 
-def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Sensors | None = None) -> Recording:
+def load_recording(
+    path: str | Path, *, rig: KnownRig | None = None, sensors: Sensors | None = None, stops: Stops = NO_STOPS
+) -> Recording:
     """Reads and checks a CSV recording.
 
     Args:
         path: the file; columns as in `harness.recording.columns`.
         rig: known quantities; gravity and beam length are used by the plausibility checks.
         sensors: declared resolutions, compared with those inferred from the data.
+        stops: end stops that other recordings of the rig tell.
 
     Raises:
         InputError: the file is invalid; the message names file, row and column, and the remedy.
@@ -112,19 +122,24 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     findings += [*bunched, *merged, *bridged, *sampling_findings(path, time, rows)]
 
     rig, sensors = rig or KnownRig(), sensors or Sensors()
-    resolution = sensors.position_resolution or inferred_resolution(position) or 0.0
+    angle_step, position_step = inferred_resolution(angle), inferred_resolution(position)
+    resolution = sensors.position_resolution or position_step or 0.0
     gravity = rig.gravity or STANDARD_GRAVITY
     steepest = min(float(np.max(np.abs(angle))), 0.5) + 0.02  # level error and track slope may add a degree
     fastest = gravity * steepest
     outlier = spikes(time, position, resolution=resolution, acceleration=fastest)
     aside = set_aside(
-        time, angle, position, outlier, rows, resolution=resolution, acceleration=fastest, gravity=gravity
+        *(time, angle, position, outlier, rows),
+        resolution=resolution,
+        acceleration=fastest,
+        gravity=gravity,
+        stops=stops,
     )
-    findings += _angle_findings(path, columns["angle"].header, time, angle, rows)
+    findings += _angle_findings(path, columns["angle"].header, time, angle, rows, angle_step or 0.0)
     if "position" in columns:
-        header, read = columns["position"].header, np.isfinite(position) & ~aside.mask
+        header, usable = columns["position"].header, np.isfinite(position) & ~aside.mask
         findings += _position_findings(path, header, position, outlier, rows)
-        findings += _held_findings(path, header, time, position[read], resolution)
+        findings += _held_findings(path, header, time, position[usable], resolution)
     for one in aside.faults:
         where = place(path.name, column=columns[one.channel].header)
         findings.append(DataFinding("warning", where, one.text, one.code))
@@ -135,7 +150,8 @@ def load_recording(path: str | Path, *, rig: KnownRig | None = None, sensors: Se
     )
     findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
     nothing = np.empty((0, 2))
-    whole = Recording(path.name, path, time, angle, position, velocity, outlier, aside.mask, nothing, (), source.sha256)
+    read = (time, angle, position, velocity, outlier, aside.mask)
+    whole = Recording(path.name, path, *read, nothing, (), source.sha256, angle_step, position_step, aside.stops)
     unused = np.ones(len(time), dtype=np.bool_)
     for part in aside.parts:
         unused[part] = False
@@ -155,9 +171,9 @@ def _part(whole: Recording, part: slice, name: str) -> Recording:
 
 
 def _angle_findings(
-    path: Path, column: str, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp]
+    path: Path, column: str, time: FloatArray, angle: FloatArray, rows: NDArray[np.intp], resolution: float
 ) -> list[DataFinding]:
-    spike = spikes(time, angle, resolution=inferred_resolution(angle) or 0.0, acceleration=BEAM_ACCELERATION)
+    spike = spikes(time, angle, resolution=resolution, acceleration=BEAM_ACCELERATION)
     if not spike.any():
         return []
     text = (

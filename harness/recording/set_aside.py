@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
-from harness.recording.end_stops import Contact, end_stops
+from harness.recording.end_stops import NO_STOPS, Contact, Stops, end_stops
 from harness.recording.findings import MAX_PLACES, rows_text
 from harness.recording.frozen import Fault, Run, frozen
 from harness.recording.jumps import Jump, jumps
@@ -49,11 +49,13 @@ class SetAside:
         mask: positions that are left out, shape (n,).
         parts: what of the recording is used, the part that says most first, the others in order.
         faults: what is said of both.
+        stops: the end stops that this recording tells.
     """
 
     mask: NDArray[np.bool_]
     parts: tuple[slice, ...]
     faults: tuple[Faulty, ...]
+    stops: Stops
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ class _Record:
     resolution: float
     acceleration: float
     gravity: float
+    stops: Stops
 
 
 @dataclass(frozen=True)
@@ -78,12 +81,14 @@ class _Found:
         breaks: where the recording is parted.
         faults: what is said of the readings left out.
         parting: what is said of the breaks, to which the parts that are used are added.
+        stops: end stops.
     """
 
     left_out: list[slice] = field(default_factory=list)
     breaks: list[Break] = field(default_factory=list)
     faults: list[Faulty] = field(default_factory=list)
     parting: list[Faulty] = field(default_factory=list)
+    stops: Stops = NO_STOPS
 
 
 def set_aside(
@@ -96,6 +101,7 @@ def set_aside(
     resolution: float,
     acceleration: float,
     gravity: float,
+    stops: Stops = NO_STOPS,
 ) -> SetAside:
     """Find what is to be left out.
 
@@ -108,8 +114,9 @@ def set_aside(
         resolution: of the positions [m], 0 if unknown.
         acceleration: largest possible acceleration of the ball [m/s²].
         gravity: g [m/s²].
+        stops: end stops that other recordings of the rig tell.
     """
-    record = _Record(time, angle, position, rows, resolution, acceleration, gravity)
+    record = _Record(time, angle, position, rows, resolution, acceleration, gravity, stops)
     usable = np.isfinite(position) & ~spike
     mask = np.zeros(len(time), dtype=np.bool_)
     found: list[_Found] = []
@@ -117,13 +124,14 @@ def set_aside(
         found.append(detect(record, usable & ~mask))
         for readings in found[-1].left_out:
             mask[readings] = True
+    told = found[-1].stops
     breaks = [each for one in found for each in one.breaks]
     found.append(_pushes(record, usable & ~mask & ~_acting_late(breaks, time)))
     breaks += found[-1].breaks
     parts = parts_between(breaks, time, usable & ~mask)
     used = _used_text(parts, time, rows)
     parting = (each._replace(text=f"{each.text} {used}") for one in found for each in one.parting)
-    return SetAside(mask, parts, (*(each for one in found for each in one.faults), *parting))
+    return SetAside(mask, parts, (*(each for one in found for each in one.faults), *parting), told)
 
 
 def _frozen(record: _Record, usable: NDArray[np.bool_]) -> _Found:
@@ -161,11 +169,14 @@ def _stuck_angles(record: _Record, usable: NDArray[np.bool_]) -> _Found:
 
 
 def _contacts(record: _Record, usable: NDArray[np.bool_]) -> _Found:
-    contacts = end_stops(
-        record.time, record.angle, record.position, usable, resolution=record.resolution, gravity=record.gravity
+    contacts, stops = end_stops(
+        *(record.time, record.angle, record.position, usable),
+        resolution=record.resolution,
+        gravity=record.gravity,
+        known=record.stops,
     )
     parting = [Faulty("end-stop", "position", _contacts_text(contacts, record))] if contacts else []
-    return _Found(breaks=[Break(one.first, one.last + 1) for one in contacts], parting=parting)
+    return _Found(breaks=[Break(one.first, one.last + 1) for one in contacts], parting=parting, stops=stops)
 
 
 def _pushes(record: _Record, usable: NDArray[np.bool_]) -> _Found:

@@ -3,7 +3,9 @@
 For a smooth test function φ that vanishes with its derivatives at its ends, ∫ s̈ φ dt = ∫ s φ̈ dt (integrated by parts
 twice). Regressing ∫ s φ̈ dt on ∫ g α φ dt therefore gives the slope of s̈ against g α. The paper's eq. 14 also has a
 term in α̈ with a possibly unknown lever: ∫ α φ̈ dt is partialled out of both. A rolling ball has the slope
-K = 1/(1 + J/(m r²)), 0.4 to 0.8 for solid balls; wrong units and signs show as factors.
+K = 1/(1 + J/(m r²)), 0.4 to 0.8 for solid balls; wrong units and signs show as factors. A delay d of the position adds
+−K g d α̇ to first order: with ∫ α φ̇ dt partialled out too the slope does not depend on it, but less of the motion is
+left to tell it from.
 """
 
 from dataclasses import dataclass, replace
@@ -34,7 +36,7 @@ class TiltResponse:
 
 
 def tilt_response(
-    step: float, angle: FloatArray, position: FloatArray, *, gravity: float = 9.81
+    step: float, angle: FloatArray, position: FloatArray, *, gravity: float = 9.81, delayed: bool = False
 ) -> TiltResponse | None:
     """Regresses the ball's acceleration on the tilt, an offset and α̈.
 
@@ -43,6 +45,7 @@ def tilt_response(
         angle: α on that even grid, shape (n,) [rad].
         position: s, shape (n,), free of NaN [m].
         gravity: g [m/s²].
+        delayed: whether the position may lag behind the angle: α̇ is a regressor too.
 
     Returns:
         The response; `None` if the recording is too short, or one channel is constant or too large for a float.
@@ -63,7 +66,7 @@ def tilt_response(
     best: TiltResponse | None = None
     half = MIN_HALF_WINDOW
     while half * MIN_WINDOWS <= count:
-        response = _regress(tilt, path, half, step * block)
+        response = _regress(tilt, path, half, step * block, delayed=delayed)
         if best is None or response.t_value > best.t_value:
             best = response
         half = int(half * WINDOW_GROWTH) + 1
@@ -85,22 +88,27 @@ def modulating(half: int, step: float) -> tuple[FloatArray, FloatArray]:
     return u**4, (48.0 * x**2 * u**2 - 8.0 * u**3) / (half * step) ** 2
 
 
-def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float) -> TiltResponse:
+def _regress(tilt: FloatArray, path: FloatArray, half: int, step: float, *, delayed: bool) -> TiltResponse:
     test, test_curvature = modulating(half, step)
-    input_, turning, output = (
+    test_slope = np.gradient(test, step)
+    input_, turning, rate, output = (
         integral - integral.mean()
         for integral in (
             np.convolve(tilt - tilt.mean(), test, mode="valid"),
             np.convolve(tilt - tilt.mean(), test_curvature, mode="valid"),
+            np.convolve(tilt - tilt.mean(), test_slope, mode="valid"),
             np.convolve(path - path.mean(), test_curvature, mode="valid"),
         )
     )
     input_, output = _orthogonal_to(turning, input_), _orthogonal_to(turning, output)
+    if delayed:
+        rate = _orthogonal_to(turning, rate)
+        input_, output = _orthogonal_to(rate, input_), _orthogonal_to(rate, output)
     xx, yy, xy = float(input_ @ input_), float(output @ output), float(input_ @ output)
     if xx == 0.0 or yy == 0.0:
         return TiltResponse(0.0, 0.0, 0.0)
     correlation = xy / np.sqrt(xx * yy)
-    freedom = len(tilt) / half - 3.0
+    freedom = len(tilt) / half - (4.0 if delayed else 3.0)
     t_value = abs(correlation) * np.sqrt(freedom / max(1.0 - correlation**2, 1e-12))
     return TiltResponse(xy / xx, float(correlation), float(t_value))
 

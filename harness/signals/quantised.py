@@ -42,8 +42,9 @@ _CONVERGED_STRIDE = 0.05  # of the log density
 _HEAD_START = 4  # passes over the sites before stiffness and noise are estimated from them
 _OVERRELAXATION = 2.0  # of the noise: the plain M-step converges slowly where the noise is small
 _LEAST_NOISE = 1e-3  # of a count, or of a continuous reading's first guess
-# Noise of a continuous reading without any [unit]: below it covariances at the least stiffness lose their digits.
-_EXACT = 1e-8
+# Noise of a continuous reading without any [unit], and the finest count: of a constant that is known more exactly than
+# that, the filter's wide prior leaves no digits of the covariances (one in ten came out infinite at a tenth of it).
+_EXACT = 1e-7
 
 
 @njit(cache=True)
@@ -230,7 +231,7 @@ def smooth_rounded(
     Args:
         time: stamps, shape (n,), strictly increasing [s].
         count: readings, shape (n,), NaN where none was taken [unit].
-        step: distance of two counts, 0 for a continuous reading [unit].
+        step: distance of two counts, 0 for a continuous reading [unit]; one below 1e-7 is taken for 0.
         noise: standard deviation of the sensor before rounding [unit]; no less than a twentieth of `step` is assumed.
             `None` to estimate it.
         density: of the white third derivative, one or that of each step, shape (n − 1,) [unit²/s⁵]; by default it is
@@ -241,6 +242,7 @@ def smooth_rounded(
         to each reading, shape (n,) [unit²], infinite where there is none, and the noise, given or estimated [unit].
     """
     n = len(time)
+    step = step if step >= _EXACT else 0.0
     time, count = np.asarray(time, float), np.asarray(count, float)
     mean, covariance = np.empty((n, 3)), np.empty((n, 3, 3))
     known = np.isfinite(count)
