@@ -13,7 +13,8 @@ from analytic.motion import FloatArray
 from harness.recording.sampling import too_short
 
 SHIFTED = 0.25  # weight of readings behind an offset that stays, where the position has another origin
-LEAST, FEWEST = 2.0, 40  # of a part that is used beside the longest one [s], usable positions
+# Of a part that is used beside the main one: length [s] and usable positions; half of the main one's if that is less.
+LEAST, FEWEST, SHARE = 2.0, 40, 0.5
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,10 @@ def parts_between(breaks: Sequence[Break], time: FloatArray, usable: NDArray[np.
         return sum(shift <= part.start for shift in shifts)
 
     others = [part for part in parts if part is not main and origin(part) == origin(main)]
-    return (main, *(part for part in others if _says_something(time[part], usable[part])))
+    least = min(LEAST, SHARE * _length(time[main]))
+    fewest = min(FEWEST, SHARE * int(usable[main].sum()))
+    long = [one for one in others if not too_short(time[one]) and _length(time[one]) >= least]
+    return (main, *(part for part in long if usable[part].sum() >= fewest))
 
 
 def suffixes(parts: Sequence[slice]) -> list[tuple[slice, str]]:
@@ -60,8 +64,8 @@ def suffixes(parts: Sequence[slice]) -> list[tuple[slice, str]]:
     return [(part, "" if part == parts[0] else f" (part {number})") for number, part in enumerate(ordered, start=1)]
 
 
-def _says_something(time: FloatArray, usable: NDArray[np.bool_]) -> bool:
-    return int(usable.sum()) >= FEWEST and not too_short(time) and float(time[-1] - time[0]) >= LEAST
+def _length(time: FloatArray) -> float:
+    return float(time[-1] - time[0])
 
 
 def _merged(breaks: Sequence[Break]) -> list[tuple[int, int]]:

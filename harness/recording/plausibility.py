@@ -104,7 +104,7 @@ def implausible(signals: Signals) -> list[Implausible]:
     physics = list(_against_physics(signals))
     plain = [] if physics else list(_implausible_magnitudes(signals))
     outside = [] if physics or plain else list(_off_the_beam(signals))
-    return [*physics, *plain, *outside, *_constant(signals), *_quantisation(signals), *_noise(signals)]
+    return [*physics, *plain, *outside, *_quantisation(signals), *_noise(signals)]
 
 
 def _against_physics(signals: Signals) -> Iterator[Implausible]:
@@ -253,10 +253,15 @@ def _off_the_beam(signals: Signals) -> Iterator[Implausible]:
         )
 
 
-def _constant(signals: Signals) -> Iterator[Implausible]:
-    if np.ptp(signals.angle) == 0.0:
+def constant(angle: FloatArray, positions: FloatArray) -> Iterator[Implausible]:
+    """Warnings of a channel that never changes in a file.
+
+    Args:
+        angle: α, shape (n,) [rad].
+        positions: known ones that are no spikes, shape (m,) [m].
+    """
+    if np.ptp(angle) == 0.0:
         yield Implausible("constant-angle", "the angle never changes; check that its sensor was connected.")
-    positions = signals.positions
     if len(positions) > 1 and np.ptp(positions) == 0.0:
         yield Implausible("constant-position", "the position never changes; check that its sensor was connected.")
 

@@ -18,7 +18,7 @@ from harness.recording.held import repeats
 from harness.recording.known_rig import KnownRig, Sensors
 from harness.recording.outliers import spikes
 from harness.recording.parts import suffixes
-from harness.recording.plausibility import STANDARD_GRAVITY, Signals, implausible
+from harness.recording.plausibility import STANDARD_GRAVITY, Signals, constant, implausible
 from harness.recording.resolution import inferred_resolution
 from harness.recording.sampling import (
     bridge_angle,
@@ -148,7 +148,8 @@ def load_recording(
     signals = Signals(
         time[kept], angle[kept], position[kept], (outlier | aside.mask)[kept], rig, names, sensors, filled[kept]
     )
-    findings += [DataFinding("warning", path.name, one.text, one.code) for one in implausible(signals)]
+    odd = [*implausible(signals), *constant(angle, position[np.isfinite(position) & ~outlier])]
+    findings += [DataFinding("warning", path.name, one.text, one.code) for one in odd]
     nothing = np.empty((0, 2))
     read = (time, angle, position, velocity, outlier, aside.mask)
     whole = Recording(path.name, path, *read, nothing, (), source.sha256, angle_step, position_step, aside.stops)

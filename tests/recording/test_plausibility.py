@@ -11,7 +11,7 @@ import pytest
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.recording import KnownRig, Sensors
-from harness.recording.plausibility import Signals, implausible
+from harness.recording.plausibility import Signals, constant, implausible
 from harness.recording.tilt_response import tilt_response
 from tests.recording.simulated import Cosines, simulated
 
@@ -152,8 +152,9 @@ def test_constant_channels() -> None:
     """Warn about a channel that never changes."""
     sound = signals()
     still = np.zeros_like(sound.angle)
-    assert "angle never changes" in implausible(replace(sound, angle=still))[0].text
-    assert "position never changes" in implausible(replace(sound, position=still + 0.3))[0].text
+    assert [one.code for one in constant(still, sound.position)] == ["constant-angle"]
+    assert [one.code for one in constant(sound.angle, still + 0.3)] == ["constant-position"]
+    assert not list(constant(sound.angle, sound.position))
 
 
 def test_declared_resolution() -> None:

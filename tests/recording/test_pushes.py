@@ -98,8 +98,10 @@ def test_overlapping_breaks_are_one() -> None:
 def test_parts_of_another_origin_are_not_used_together() -> None:
     """Leave out what lies behind an offset that stays, and what is too short to tell anything."""
     time, usable = np.arange(1500) / 100.0, np.ones(1500, dtype=np.bool_)
-    breaks = [Break(600, 600, shifts=True), Break(300, 310), Break(500, 520), Break(900, 910)]
+    breaks = [Break(600, 600, shifts=True), Break(300, 310), Break(450, 520), Break(900, 910)]
     assert parts_between(breaks, time, usable) == (slice(0, 300),)
+    longer = [Break(600, 600, shifts=True), Break(300, 310), Break(470, 520), Break(900, 910)]
+    assert parts_between(longer, time, usable) == (slice(0, 300), slice(310, 470))
     assert parts_between([Break(290, 310), Break(590, 600)], time, usable) == (
         slice(600, 1500),
         slice(0, 290),

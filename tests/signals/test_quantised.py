@@ -143,3 +143,21 @@ def test_the_prior_lets_a_value_turn_where_its_counts_do() -> None:
     assert np.all(least[10:30] > -22.0)
     assert np.all(least[[*range(10), *range(30, 49)]] == -22.0)
     assert np.sqrt(np.exp(least[15]) * 0.1**5 / 20.0) == pytest.approx(1.0 / math.sqrt(12.0))
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-9, 1e-7, 1e-6])
+@pytest.mark.parametrize("changes", [0, 1, 4])
+def test_a_signal_that_stands_still_is_smoothed(step: float, changes: int) -> None:
+    """Give finite states of constants and steps that are known exactly, however many stamps there are, and how far
+    apart: one in ten was infinite with a noise of a hundredth of a microradian."""
+    generator = np.random.default_rng(changes)
+    for _ in range(60):
+        count = int(generator.integers(10, 300))
+        time = generator.uniform(0.0, 60.0) + generator.choice([0.002, 0.01, 0.04, 0.2]) * np.arange(count)
+        level = generator.uniform(-0.3, 0.3) + 0.05 * (np.arange(count) * (changes + 1) // count % 2)
+        value = np.round(level / step) * step if step else level
+        smoothed, _, _ = smooth_rounded(time, value, step, None)
+        assert np.isfinite(smoothed.mean).all()
+        assert np.isfinite(smoothed.covariance).all()
+        if not changes:
+            np.testing.assert_allclose(smoothed.mean[:, 0], value, atol=1e-6)  # a count of 1e-6 at most

@@ -111,17 +111,23 @@ def windows_of(recordings: Sequence[PreparedRecording], stride: float = AHEAD) -
     return tuple(windows)
 
 
+def known_first(length: float) -> float:
+    """How much of a recording of this length is known where the rest is predicted: 2 s, or half of a short one [s]."""
+    return min(KNOWN, 0.5 * length)
+
+
 def horizon_spans(time: FloatArray) -> list[tuple[str, float, float]]:
     """Name, begin and end [s] of every predicted span, for stamps that begin at 0, shape (n,).
 
-    "3 s" names consecutive spans of 3 s after the first two seconds; "whole" the span of everything after these.
+    "3 s" names consecutive spans of 3 s after the known part (`known_first`); "whole" the span of all after this.
     """
     end = float(time[-1])
+    begin = known_first(end)
     spans = []
     for horizon in HORIZONS:
-        count = int((end - KNOWN) / horizon + 1e-6)
-        spans += [(f"{horizon:g} s", KNOWN + i * horizon, KNOWN + (i + 1) * horizon) for i in range(count)]
-    return [*spans, ("whole", KNOWN, end + 1.0)]
+        count = int((end - begin) / horizon + 1e-6)
+        spans += [(f"{horizon:g} s", begin + i * horizon, begin + (i + 1) * horizon) for i in range(count)]
+    return [*spans, ("whole", begin, end + 1.0)]
 
 
 def predicted_spans(time: FloatArray, known: NDArray[np.bool_], fewest: int = 1) -> list[tuple[str, slice]]:

@@ -41,7 +41,7 @@ def errors(
     """Prediction errors of `found` over `recordings`.
 
     "3 s" is the RMS over all spans of 3 s, each predicted from all readings before it; "whole" is the rest of the
-    recording predicted from its first two seconds.
+    recording predicted from its known part, two seconds or half of a short recording.
     """
     squares: dict[str, list[FloatArray]] = {}
     correlations, variance_ratios, beam = [], [], []

@@ -13,7 +13,7 @@ from harness.identify.design import proposal
 from harness.identify.estimate.fit import TWO_SIDED, Estimator
 from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.problem import PreparedRecording
-from harness.identify.problem.windows import KNOWN
+from harness.identify.problem.windows import known_first
 from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
@@ -158,10 +158,15 @@ def _digits(value: float, width: float) -> int:
 Runs = list[tuple[Forecast, Look]]
 
 
+def _known(account: Account) -> float:
+    """From the positions of how many seconds the shown recording is predicted [s]."""
+    return known_first(float(account.shown.time[-1] - account.shown.time[0]))
+
+
 def _runs(account: Account) -> Runs:
     """A recording predicted from its first seconds, without and with what was found."""
     diagnosis, shown = account.diagnosis, account.shown
-    given = np.where(shown.time - shown.time[0] < KNOWN, shown.reading, np.nan)
+    given = np.where(shown.time - shown.time[0] < _known(account), shown.reading, np.nan)
     fits = [(diagnosis.base, MODEL), (diagnosis.found, FOUND)]
     return [(forecast(diagnosis.problem, fit, shown, given), look) for fit, look in fits[: 2 if account.changed else 1]]
 
@@ -196,7 +201,7 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
             plots.signal(axes, time, values, look)
             plots.mark_exits(axes, time, values, look)
         axes.set_ylabel(label)
-        axes.axvspan(time[0], time[0] + KNOWN, color="#eef1f4", linewidth=0.0, zorder=0)
+        axes.axvspan(time[0], time[0] + _known(account), color="#eef1f4", linewidth=0.0, zorder=0)
     whole = np.concatenate((time, left_out[:, 0]))
     plots.over_time(bottom, float(whole.min()), float(whole.max()))
     entries = [plots.sample(RECORDED, account.measured), *(plots.sample(look) for _, look in runs)]
@@ -208,7 +213,7 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
 @plots.style()
 def _picture(account: Account) -> plots.Picture:
     shown, runs = account.shown, _runs(account)
-    judged = (shown.time - shown.time[0] >= KNOWN) & np.isfinite(shown.reading)
+    judged = (shown.time - shown.time[0] >= _known(account)) & np.isfinite(shown.reading)
     ends = [
         f"{look.label} {error_size(rms((one.position - shown.reading)[judged])) if judged.any() else NONE}"
         for one, look in runs
@@ -217,9 +222,9 @@ def _picture(account: Account) -> plots.Picture:
     return plots.picture(
         before_after(account, runs),
         f"Recorded and predicted position of {shown.name} without and with the effects found; differences.",
-        f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(KNOWN)} s alone "
-        f"(shaded). RMS error after them: {', '.join(ends)}. Band: ± 2 σ of the last of them, below including reading "
-        "noise. Parameters are those of the verdict, fitted to this recording "
+        f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(_known(account))} s "
+        f"alone (shaded). RMS error after them: {', '.join(ends)}. Band: ± 2 σ of the last of them, below including "
+        "reading noise. Parameters are those of the verdict, fitted to this recording "
         f"too{others}; for held-out errors see below.",
         chart(account, runs),
         "Triangles: a line leaves the frame.",
@@ -267,7 +272,7 @@ def marks(account: Account) -> list[Mark]:
     """The part of the shown recording from which its prediction starts."""
     begin = float(account.shown.time[0])
     text = "known positions, from which the prediction starts"
-    return [Mark("identify", text, begin, min(begin + KNOWN, float(account.shown.time[-1])))]
+    return [Mark("identify", text, begin, begin + _known(account))]
 
 
 def _framed(values: FloatArray) -> tuple[float, float]:

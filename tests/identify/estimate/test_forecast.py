@@ -44,6 +44,12 @@ def test_windows_tile_what_is_predicted() -> None:
         assert all(before[1] == after[0] for before, after in pairwise(each))
 
 
+def test_half_of_a_short_recording_is_known() -> None:
+    """Predict the second half of a recording that is shorter than twice the known part."""
+    time = np.arange(0.0, 3.005, 0.01)
+    assert horizon_spans(time) == [("1 s", 1.5, 2.5), ("whole", 1.5, time[-1] + 1.0)]
+
+
 def test_a_covariance_rounded_below_zero_widens_nothing(plain: Posed) -> None:
     """Give the band of certain values where a variance of a badly determined fit came out just below zero."""
     problem, record = plain.problem, plain.problem.recordings[0]
