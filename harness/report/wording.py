@@ -11,6 +11,7 @@ from harness.failures import Part
 from harness.formatting import listed, measured, number
 from harness.identify.diagnosis import Diagnosis
 from harness.identify.estimate.fit import Estimator
+from harness.identify.held_at_first import may_be_held
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor
 from harness.identify.problem.windows import AHEAD
@@ -122,6 +123,8 @@ def _doubts(finding: IdentifiedEffect, problem: Problem) -> str:
     said = [f"indistinguishable from {' or '.join(rivals)}"] if rivals else []
     if may_be_shaking(problem, finding.name, {name: one.value for name, one in finding.parameters.items()}):
         said.append("a beam that shakes between the readings of its angle, as fast as they show, does as much")
+    if may_be_held(problem, finding.name, finding.parameters):
+        said.append("a ball that is held at first and then let go does as much")
     effect = CATALOGUE.get(finding.name)
     for one in () if effect is None else effect.parameters:
         found, neutral = finding.parameters[one.name], one.neutral_on(problem.rig)
