@@ -25,7 +25,7 @@ def may_be_held(problem: Problem, name: str, parameters: Mapping[str, Estimate])
 
     Args:
         name: of the effect.
-        parameters: of the effect by name, with their intervals.
+        parameters: of the effect by name, with their intervals, in the units of the catalogue: coefficients [1].
     """
     if name != STRIBECK_FRICTION.name or parameters["kinetic_coefficient"].low > 0.0:
         return False
@@ -35,6 +35,7 @@ def may_be_held(problem: Problem, name: str, parameters: Mapping[str, Estimate])
 
 
 def _rests_at_first(recording: PreparedRecording, spread: float) -> bool:
+    """Whether the first readings differ by no more than `spread` [m]."""
     known = np.isfinite(recording.reading)
     time, reading = recording.time[known], recording.reading[known]
     count = max(FEWEST, int(np.searchsorted(time, time[0] + RESTS)))

@@ -240,7 +240,7 @@ def _of_one_sensor(recordings: dict[str, Recording]) -> dict[str, Recording]:
 
 
 def _coarsest(recordings: dict[str, Recording], channel: str) -> float | None:
-    """Largest step of a channel, "angle" or "position", over the recordings, which share one sensor."""
+    """Largest step of a channel, "angle" [rad] or "position" [m], over the recordings, which share one sensor."""
     seen = (getattr(recording, f"{channel}_step") for recording in recordings.values())
     return max((step for step in seen if step is not None), default=None)
 

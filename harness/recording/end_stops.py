@@ -103,7 +103,7 @@ def common_stops(found: Sequence[Stops]) -> Stops:
 
 
 def _agreed(places: Sequence[float], apart: float) -> float | None:
-    """The largest place, if another one is no farther away."""
+    """The largest of the places [m], if another one is no more than `apart` away [m]."""
     ordered = sorted(places)
     return ordered[-1] if len(ordered) > 1 and ordered[-1] - ordered[-2] <= apart else None
 

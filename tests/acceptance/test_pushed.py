@@ -7,22 +7,11 @@ from pathlib import Path
 import pytest
 
 import harness
+from tests.recording.released import RIG
 from tests.recording.simulated import write
 from tests.recording.stopped import Run, stopped
 
 DAMPING = 0.35  # over the ball's mass [1/s]
-RIG = """\
-origin = "simulated by a plant of the tests"
-[ball]
-mass_kg = 0.1
-inertia_kg_m2 = 1.6e-5
-radius_m = 0.02
-[beam]
-rolling_radius_m = 0.02
-eccentricity_m = 0.0
-[environment]
-gravity_m_s2 = 9.81
-"""
 PUSHES = ({6.2: 0.25}, {9.3: -0.3}, {5.2: 0.25})
 
 

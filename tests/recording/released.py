@@ -17,7 +17,7 @@ from tests.recording.stopped import GRAVITY, LEVER
 
 FINE = 1000  # steps a second
 COUNT = 2 * np.pi / 4096  # of the angle [rad]
-RIG = """origin = "simulated"
+RIG = """origin = "simulated by a plant of the tests"
 [ball]
 mass_kg = 0.1
 inertia_kg_m2 = 1.6e-5
