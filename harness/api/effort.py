@@ -43,7 +43,10 @@ def comparison_time(duration: float, engines: Sequence[tuple[Engine, EngineParam
 
 def diagnosis_time(recordings: Sequence[Recording]) -> float:
     """Time that a diagnosis of these recordings takes [s]."""
-    readings = sum(int(one.usable.sum()) for one in recordings)
+    from harness.preparation.readings import neighbours_in_mean
+
+    known = [int(one.usable.sum()) for one in recordings]
+    readings = sum(n / neighbours_in_mean(one.time, n) for n, one in zip(known, recordings, strict=True))
     return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings
 
 

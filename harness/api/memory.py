@@ -50,13 +50,16 @@ def diagnosis_memory(recordings: Sequence[Recording]) -> float:
     Threads, one on each core, fit rivals at the same time: each holds Jacobians of shape (readings, parameters), with a
     parameter for each recording where the rival has one.
     """
+    from harness.preparation.readings import neighbours_in_mean
+
     cores = os.cpu_count() or 1
     parameters = _PARAMETERS + len(recordings)
     total = _COMMAND + cores * _PROCESS
     for one in recordings:
         stamps = len(one.time)
-        total += stamps * (cores * _JACOBIANS * parameters * _FLOAT + _DRAWN * _MOTION + _SMOOTHED)
-        total += _TABLES * _table(_duration(one), stamps)
+        used = stamps // neighbours_in_mean(one.time, int(one.usable.sum()))
+        total += used * cores * _JACOBIANS * parameters * _FLOAT + stamps * (_DRAWN * _MOTION + _SMOOTHED)
+        total += _TABLES * _table(_duration(one), used)
     return total
 
 

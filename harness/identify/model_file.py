@@ -94,8 +94,11 @@ def observed_for(kept: ModelRecord, recording: Recording, sensors: Sensors) -> O
 
 
 def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:
-    """A recording from `observed_for`, with the roughness of the beam's motion that the model was identified with."""
-    return PreparedRecording.of(observed).rougher(kept.roughness)
+    """A recording from `observed_for`, with the roughness of the beam's motion that the model was identified with.
+
+    It has all stamps of the recording.
+    """
+    return PreparedRecording.at_all_stamps(observed).rougher(kept.roughness)
 
 
 def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
+from harness.preparation.readings import UsedReadings, used_readings
 from harness.recording import Recording, Sensors
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
@@ -38,6 +40,11 @@ class Observed:
     def reading(self) -> FloatArray:
         """Positions, NaN where unknown, set aside or a spike, shape (n,) [m]."""
         return np.where(self.ball.trusted, self.recording.position, np.nan)
+
+    @cached_property
+    def used(self) -> UsedReadings:
+        """The readings that an identification uses, in means where the sensor is fast."""
+        return used_readings(self.ball, self.reading, self.noise)
 
 
 def _unused(recording: Recording) -> str:

@@ -8,7 +8,7 @@ lacks appears in the difference. Spikes are recognised, also where all are on on
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,11 @@ class BallEstimate:
     def state(self, index: int) -> State:
         """The ball at stamp `index`."""
         return State(float(self.position[index]), float(self.velocity[index]))
+
+    def at(self, stamps: slice) -> BallEstimate:
+        """The same at some of its stamps."""
+        every = ("time", "position", "velocity", "residual", "covariance", "trusted")
+        return replace(self, **{name: getattr(self, name)[stamps] for name in every})
 
     def state_covariance(self, index: int) -> FloatArray:
         """Covariance of (s, ṡ) at stamp `index`, shape (2, 2) [m², m²/s, m²/s²]."""

@@ -33,6 +33,7 @@ from harness.signals.error_process import ErrorProcess
 from harness.signals.follower_error import behind_follower
 from harness.signals.play_error import behind_play
 from harness.signals.rests import with_shared_rounding
+from harness.signals.thinned_drive import thinned
 
 _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
@@ -82,8 +83,16 @@ class PreparedRecording:
 
     @classmethod
     def of(cls, observed: Observed) -> PreparedRecording:
-        """From a prepared recording, under the recording's name."""
-        return cls(observed.recording.name, np.array(observed.recording.time), observed.reading, observed.drive)
+        """From a prepared recording, under its name: at the stamps of the readings used (`UsedReadings`)."""
+        used, time = observed.used, np.array(observed.recording.time)
+        drive = thinned(observed.drive, used.every)
+        return cls(observed.recording.name, time[used.stamps], used.position[used.stamps], drive)
+
+    @classmethod
+    def at_all_stamps(cls, observed: Observed) -> PreparedRecording:
+        """The same with all stamps of the recording, for a prediction at each of them."""
+        time = np.array(observed.recording.time)
+        return cls(observed.recording.name, time, observed.used.position, observed.drive)
 
     @cached_property
     def grid(self) -> Grid:
@@ -266,7 +275,7 @@ class Problem:
         cls, observed: Sequence[Observed], rig: Rig, declared: tuple[Acting, ...], unknown: tuple[str, ...] = ()
     ) -> Problem:
         """From prepared recordings, whose variances of a reading are averaged."""
-        variance = float(np.mean([one.noise**2 for one in observed]))
+        variance = float(np.mean([one.used.noise**2 for one in observed]))
         recordings = _knowing_rests([PreparedRecording.of(one) for one in observed])
         return cls(recordings, rig, declared, variance, unknown=unknown)
 

@@ -69,5 +69,6 @@ class Account:
         return tuple(residual_acceleration(problem, found, one, self.ball(one)) for one in problem.recordings)
 
     def ball(self, record: PreparedRecording) -> BallEstimate:
-        """The smoothed state of the ball in one recording."""
-        return self.diagnosis.problem.observed(self.case.recordings[record.name], self.case.sensors).ball
+        """The smoothed state of the ball at the stamps of one recording of the problem."""
+        observed = self.diagnosis.problem.observed(self.case.recordings[record.name], self.case.sensors)
+        return observed.ball.at(observed.used.stamps)

@@ -3,6 +3,7 @@
 import math
 
 from harness.formatting import length, number
+from harness.preparation.readings import neighbours_in_mean
 from harness.recording.known_rig import NEEDED, UNITS
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
@@ -19,6 +20,7 @@ def section(account: Account) -> Section:
         "scenes": scenes_in_words(account.case.scene, account.diagnosis.engines),
         "declared": [(one.effect.name, list(one.values.items())) for one in account.diagnosis.problem.declared],
         "noise": length(math.sqrt(account.diagnosis.problem.reading_variance), 2),
+        "means": _means(account),
         "colour": _colour(account),
         "noise_share": _noise_share(account),
         "roughness": _roughness(account),
@@ -35,6 +37,16 @@ def _colour(account: Account) -> str:
     if colour.share == 0.0:
         return ""
     return f"{number(100.0 * colour.share, 2)} % of its variance correlated over {number(1e3 * colour.time, 2)} ms"
+
+
+def _means(account: Account) -> str:
+    """Which fast readings are used in means; empty where none are."""
+    told = []
+    for one in account.diagnosis.problem.recordings:
+        source = account.case.recordings[one.name]
+        every = neighbours_in_mean(source.time, int(source.usable.sum()))
+        told += [f"{every} neighbours of {one.name}"] if every > 1 else []
+    return f"means of {', '.join(told)}" if told else ""
 
 
 def _noise_share(account: Account) -> str:
