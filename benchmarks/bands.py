@@ -75,7 +75,7 @@ def measured(trial: Trial) -> Row:
     after = recording.time - recording.time[0] - KNOWN_UNTIL
     known = replace(recording, position=np.where(after <= 0.0, recording.position, np.nan))
     problem = said.problem  # with the roughness of the beam that the search found
-    prepared = PreparedRecording.of(problem.observed(known, case.sensors)).rougher(problem.roughness)
+    prepared = PreparedRecording.at_all_stamps(problem.observed(known, case.sensors)).rougher(problem.roughness)
     predicted = forecast(problem, for_predictions(problem, said.found), prepared, prepared.reading)
     table = predicted.table()
     inside = (truth >= table["low_m"]) & (truth <= table["high_m"])

@@ -45,8 +45,7 @@ def diagnosis_time(recordings: Sequence[Recording]) -> float:
     """Time that a diagnosis of these recordings takes [s]."""
     from harness.preparation.readings import neighbours_in_mean
 
-    known = [int(one.usable.sum()) for one in recordings]
-    readings = sum(n / neighbours_in_mean(one.time, n) for n, one in zip(known, recordings, strict=True))
+    readings = sum(int(one.usable.sum()) / neighbours_in_mean(one) for one in recordings)
     return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings
 
 

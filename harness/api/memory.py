@@ -57,7 +57,7 @@ def diagnosis_memory(recordings: Sequence[Recording]) -> float:
     total = _COMMAND + cores * _PROCESS
     for one in recordings:
         stamps = len(one.time)
-        used = stamps // neighbours_in_mean(one.time, int(one.usable.sum()))
+        used = stamps // neighbours_in_mean(one)
         total += used * cores * _JACOBIANS * parameters * _FLOAT + stamps * (_DRAWN * _MOTION + _SMOOTHED)
         total += _TABLES * _table(_duration(one), used)
     return total

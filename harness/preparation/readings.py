@@ -12,11 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.recording import Recording
 from harness.signals.ball_state import BallEstimate
 
 # Rate above which readings are averaged [Hz]. A mean over 15 ms of a ball that accelerates by 2 m/s² is off by
-# 2·0.015²/24 = 0.02 mm from the position in the middle, if the acceleration were not known; it is, nearly.
+# 2·0.015²/24 = 0.02 mm from the position in the middle, of which the smoothed path knows the greater part.
 _ENOUGH = 66.0
+_FEWEST = 2  # positions that have a rate
 
 
 @dataclass(frozen=True)
@@ -39,19 +41,21 @@ class UsedReadings:
         return slice(None, None, self.every)
 
 
-def neighbours_in_mean(time: FloatArray, readings: int) -> int:
+def neighbours_in_mean(recording: Recording) -> int:
     """How many neighbouring rows make one reading that is used: odd, mostly 1.
 
-    Args:
-        time: stamps, shape (n,) [s].
-        readings: how many of the rows have one.
+    What counts is the rate of the positions that can be used, from the first to the last of them: where the ball is to
+    be predicted, only those of the first seconds are known.
     """
-    rate = readings / float(time[-1] - time[0])
+    known = recording.time[recording.usable]
+    if len(known) < _FEWEST:
+        return 1
+    rate = (len(known) - 1) / float(known[-1] - known[0])
     return max(2 * ((int(rate / _ENOUGH) + 1) // 2) - 1, 1)
 
 
-def used_readings(ball: BallEstimate, position: FloatArray, noise: float) -> UsedReadings:
-    """Means of as many neighbours as the rate allows, the first one at the first stamp.
+def used_readings(ball: BallEstimate, position: FloatArray, noise: float, every: int) -> UsedReadings:
+    """Means of neighbouring readings, the first one at the first stamp.
 
     A mean is that of the differences from the smoothed path, added to this path at the stamp in the middle: neither a
     missing reading nor an uneven stamp shifts it. One of less than half the usual number of readings is not used.
@@ -60,8 +64,8 @@ def used_readings(ball: BallEstimate, position: FloatArray, noise: float) -> Use
         ball: smoothed, at the n stamps.
         position: readings, NaN where missing or a spike, shape (n,) [m].
         noise: standard deviation of a reading, quantisation included [m].
+        every: number of neighbouring rows in a mean, odd (`neighbours_in_mean`).
     """
-    every = neighbours_in_mean(ball.time, int(np.isfinite(position).sum()))
     if every == 1:
         return UsedReadings(1, position, noise)
     stamps = len(position)

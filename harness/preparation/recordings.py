@@ -11,7 +11,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.preparation.readings import UsedReadings, used_readings
+from harness.preparation.readings import UsedReadings, neighbours_in_mean, used_readings
 from harness.recording import Recording, Sensors
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
@@ -44,7 +44,7 @@ class Observed:
     @cached_property
     def used(self) -> UsedReadings:
         """The readings that an identification uses, in means where the sensor is fast."""
-        return used_readings(self.ball, self.reading, self.noise)
+        return used_readings(self.ball, self.reading, self.noise, neighbours_in_mean(self.recording))
 
 
 def _unused(recording: Recording) -> str:

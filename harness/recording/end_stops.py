@@ -188,7 +188,10 @@ def _rests(
 def _held_at_first(t: FloatArray, alpha: FloatArray, s: FloatArray, band: float, gravity: float) -> Iterator[Contact]:
     """The stretch until the ball leaves where it is first, if the beam is steep for so long that it should have."""
     place = float(np.median(s[:FEWEST]))
-    stay = _parts(np.abs(s - place) <= band)[0]
+    near = _parts(np.abs(s - place) <= band)
+    if not near:  # a ball that rolls far from one of the first readings to the next
+        return
+    stay = near[0]
     for side in (-1.0, 1.0):
         for steep in _parts(side * alpha[stay] >= STEEP):
             lasted = float(t[stay[steep[-1]]] - t[stay[steep[0]]])

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.preparation.readings import neighbours_in_mean, used_readings
+from harness.recording import Recording, load_recording
 from harness.signals.ball_state import BallEstimate
 
 NOISE = 3e-4  # of a reading [m]
+EVERY = 15  # readings in a mean, at 1 kHz
 
 
 def estimate(time: FloatArray, path: FloatArray) -> BallEstimate:
@@ -34,25 +38,41 @@ def swing(time: FloatArray) -> FloatArray:
     return 0.3 * np.sin(np.pi * time)
 
 
+def recorded(folder: Path, time: FloatArray, known: NDArray[np.bool_]) -> Recording:
+    """A recording with positions where they are known, which swing with the beam."""
+    position = np.where(known, swing(time), np.nan)
+    lines = ["" if np.isnan(one) else f"{one:.9f}" for one in position]
+    rows = [f"{t:.6f},{0.05 * math.sin(t):.9f},{one}" for t, one in zip(time, lines, strict=True)]
+    file = folder / "rec.csv"
+    file.write_text("\n".join(["time_s,beam_angle_rad,ball_position_m", *rows]) + "\n")
+    return load_recording(file)
+
+
 @pytest.mark.parametrize(("rate", "every"), [(10, 1), (100, 1), (197, 1), (199, 3), (250, 3), (500, 7), (1000, 15)])
-def test_as_many_neighbours_as_leave_enough_readings(rate: int, every: int) -> None:
+def test_as_many_neighbours_as_leave_enough_readings(tmp_path: Path, rate: int, every: int) -> None:
     """An odd number, with a mean at the stamp in the middle, and at least 66 means a second."""
-    time = np.arange(20 * rate + 1) / rate
-    assert neighbours_in_mean(time, len(time)) == every
+    time = np.arange(5 * rate + 1) / rate
+    assert neighbours_in_mean(recorded(tmp_path, time, np.ones(len(time), dtype=bool))) == every
     assert rate / every >= 66 or every == 1
 
 
-def test_a_slow_sensor_in_a_fast_log_is_used_as_it_is() -> None:
+def test_a_slow_sensor_in_a_fast_log_is_used_as_it_is(tmp_path: Path) -> None:
     """It is the rate of the readings that counts, not that of the rows."""
-    time = np.arange(20_001) / 1000
-    assert neighbours_in_mean(time, len(time) // 20) == 1
+    time = np.arange(5001) / 1000
+    assert neighbours_in_mean(recorded(tmp_path, time, np.arange(5001) % 20 == 0)) == 1
+
+
+def test_readings_of_the_first_second_are_as_fast_as_those_of_all(tmp_path: Path) -> None:
+    """Where the rest is to be predicted, the same means are made: a model states the noise of these."""
+    time = np.arange(5001) / 1000
+    assert neighbours_in_mean(recorded(tmp_path, time, time < 1.0)) == 15
 
 
 def test_slow_readings_stay_as_they_are() -> None:
     """Use each with its own noise."""
     time = np.arange(500) / 100
     reading = swing(time) + NOISE * np.random.default_rng(0).standard_normal(500)
-    used = used_readings(estimate(time, swing(time)), reading, NOISE)
+    used = used_readings(estimate(time, swing(time)), reading, NOISE, 1)
     assert (used.every, used.noise) == (1, NOISE)
     np.testing.assert_array_equal(used.position, reading)
 
@@ -61,7 +81,7 @@ def test_means_scatter_about_the_path_by_the_noise_they_state() -> None:
     """Of 15 readings with white noise, a fifteenth of the variance; on the path at their stamp, not late or early."""
     time = np.arange(40_001) / 1000
     reading = swing(time) + NOISE * np.random.default_rng(1).standard_normal(len(time))
-    used = used_readings(estimate(time, swing(time)), reading, NOISE)
+    used = used_readings(estimate(time, swing(time)), reading, NOISE, EVERY)
     off = (used.position - swing(time))[used.stamps]
     assert np.isfinite(off).all()
     # The variance of m means is known within √(2/m) of it, their mean within one deviation over √m; four of these.
@@ -80,9 +100,8 @@ def test_neither_missing_readings_nor_uneven_stamps_shift_a_mean() -> None:
     random = np.random.default_rng(2)
     time = np.arange(10_000) / 1000 + random.uniform(-3e-4, 3e-4, 10_000)
     reading = np.where(random.random(10_000) < 1 / 3, np.nan, swing(time))
-    used = used_readings(estimate(time, swing(time)), reading, 0.0)
+    used = used_readings(estimate(time, swing(time)), reading, 0.0, 9)
     known = np.isfinite(used.position)
-    assert used.every == 9  # of 667 readings a second
     assert known.sum() > 0.95 * len(time) / used.every
     np.testing.assert_allclose(used.position[known], swing(time)[known], rtol=0.0, atol=1e-12)
 
@@ -91,7 +110,7 @@ def test_an_offset_of_the_smoothed_path_does_not_matter() -> None:
     """A path that is smoothed wrongly by 5 mm gives the same means: readings decide where the ball is."""
     time = np.arange(10_000) / 1000
     reading = swing(time) + NOISE * np.random.default_rng(3).standard_normal(len(time))
-    right, wrong = (used_readings(estimate(time, swing(time) + off), reading, NOISE) for off in (0.0, 5e-3))
+    right, wrong = (used_readings(estimate(time, swing(time) + off), reading, NOISE, EVERY) for off in (0.0, 5e-3))
     np.testing.assert_allclose(wrong.position, right.position, rtol=0.0, atol=1e-12)
 
 
@@ -103,6 +122,6 @@ def test_the_mean_of_coloured_noise_is_not_taken_for_better_than_it_is() -> None
     for k in range(1, n):
         noise[k] = rho * noise[k - 1] + math.sqrt(1 - rho**2) * random.standard_normal()
     time = np.arange(n) / 1000
-    used = used_readings(estimate(time, swing(time)), swing(time) + NOISE * noise, NOISE)
+    used = used_readings(estimate(time, swing(time)), swing(time) + NOISE * noise, NOISE, EVERY)
     # The mean over T = 15 ms keeps 2 (x - 1 + e^-x)/x² of the variance, x = T/20 ms: 0.79, known within 5 %.
     assert used.noise == pytest.approx(math.sqrt(0.79) * NOISE, rel=0.1)

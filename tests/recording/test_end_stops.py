@@ -83,6 +83,16 @@ def test_a_ball_that_is_held_at_first_is_used_from_where_it_is_let_go(tmp_path: 
     assert 1.9 < recording.time[0] < 2.5
 
 
+def test_a_ball_that_rolls_fast_at_first_is_not_held(tmp_path: Path) -> None:
+    """Use a recording whole in which the first readings are 4 cm apart, so that none is near the middle of them."""
+    time = np.arange(0.0, 10.01, 0.05)
+    position, angle = 0.3 * np.sin(np.pi * time), -0.2 * np.sin(np.pi * time)
+    columns = {"time_s": time, "beam_angle_rad": angle, "ball_position_m": position}
+    recording = load_recording(write(tmp_path / "rec.csv", columns))
+    assert told(recording) == []
+    assert recording.usable.sum() == len(time)
+
+
 def test_the_angle_of_a_motor_shows_no_stop(tmp_path: Path) -> None:
     """Say nothing where the recorded angle is twenty times the beam's: none of its tilts is known to be steep."""
     made = stopped(Run(held=2.0, linkage=20.0), seed=1)

@@ -33,7 +33,7 @@ from harness.signals.error_process import ErrorProcess
 from harness.signals.follower_error import behind_follower
 from harness.signals.play_error import behind_play
 from harness.signals.rests import with_shared_rounding
-from harness.signals.thinned_drive import thinned
+from harness.signals.sparse_drive import sparse
 
 _BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
 _FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
@@ -85,12 +85,12 @@ class PreparedRecording:
     def of(cls, observed: Observed) -> PreparedRecording:
         """From a prepared recording, under its name: at the stamps of the readings used (`UsedReadings`)."""
         used, time = observed.used, np.array(observed.recording.time)
-        drive = thinned(observed.drive, used.every)
+        drive = sparse(observed.drive, used.every)
         return cls(observed.recording.name, time[used.stamps], used.position[used.stamps], drive)
 
     @classmethod
     def at_all_stamps(cls, observed: Observed) -> PreparedRecording:
-        """The same with all stamps of the recording, for a prediction at each of them."""
+        """The same readings among all stamps of the recording, for a prediction at each of them."""
         time = np.array(observed.recording.time)
         return cls(observed.recording.name, time, observed.used.position, observed.drive)
 
@@ -248,7 +248,7 @@ class Problem:
         recordings: at least one, each with positions.
         rig: with values for all quantities.
         declared: known effects, part of every model.
-        reading_variance: of one position reading, quantisation included [m²].
+        reading_variance: of one of the recordings' position readings, which may be means, quantisation included [m²].
         model: the baseline model to which effects are added.
         unknown: stand-ins for unknown rig quantities; in every hypothesis, never reported as found.
         settings: of the identification.

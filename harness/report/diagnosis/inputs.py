@@ -43,8 +43,7 @@ def _means(account: Account) -> str:
     """Which fast readings are used in means; empty where none are."""
     told = []
     for one in account.diagnosis.problem.recordings:
-        source = account.case.recordings[one.name]
-        every = neighbours_in_mean(source.time, int(source.usable.sum()))
+        every = neighbours_in_mean(account.case.recordings[one.name])
         told += [f"{every} neighbours of {one.name}"] if every > 1 else []
     return f"means of {', '.join(told)}" if told else ""
 

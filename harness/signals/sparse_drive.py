@@ -17,7 +17,7 @@ from harness.signals.error_process import ErrorProcess
 
 
 @dataclass(frozen=True, kw_only=True)
-class ThinnedDrive(Drive):
+class SparseDrive(Drive):
     """Every `every`-th stamp of the drive `whole`."""
 
     whole: Drive
@@ -30,11 +30,11 @@ class ThinnedDrive(Drive):
 
     def rougher(self, factor: float) -> Drive:
         """See `Drive`."""
-        return thinned(self.whole.rougher(factor), self.every)
+        return sparse(self.whole.rougher(factor), self.every)
 
     def quieter(self, share: float) -> Drive:
         """See `Drive`."""
-        return thinned(self.whole.quieter(share), self.every)
+        return sparse(self.whole.quieter(share), self.every)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """Drawn from the posterior, with the drive's correlated error."""
@@ -42,13 +42,13 @@ class ThinnedDrive(Drive):
         return [QuinticMotion(self.time, path.states[stamps]) for path in self.whole.draw(count, seed)]
 
 
-def thinned(drive: Drive, every: int) -> Drive:
+def sparse(drive: Drive, every: int) -> Drive:
     """The same at every `every`-th stamp; itself where that is each one, or where it is a command that jumps."""
     if every == 1 or drive.commanded:
         return drive
     stamps = slice(None, None, every)
     inflation = None if drive.inflation is None else drive.inflation[stamps]
-    return ThinnedDrive(
+    return SparseDrive(
         drive.time[stamps],
         drive.states[stamps],
         drive.std[stamps],
