@@ -52,9 +52,9 @@ def test_a_long_run_asks(harness: Harness, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def long_recording(folder: Path) -> Path:
-    """Ten minutes at 200 Hz."""
-    time = np.arange(120_000) / 200.0
+def long_recording(folder: Path, rate: float) -> Path:
+    """120,000 rows at a rate [Hz]."""
+    time = np.arange(120_000) / rate
     columns = {
         "time_s": time,
         "beam_angle_rad": 0.02 * np.sin(time),
@@ -66,9 +66,9 @@ def long_recording(folder: Path) -> Path:
 
 
 def test_a_long_diagnosis_asks(tmp_path: Path) -> None:
-    """Refuse more readings than ten minutes are enough for, and write nothing."""
+    """Refuse more readings than ten minutes are enough for, at a rate at which each is used, and write nothing."""
     with pytest.raises(InputError, match=r"would take some 1\d minutes.*--yes"):
-        diagnose(long_recording(tmp_path), out=tmp_path / "out")
+        diagnose(long_recording(tmp_path, 100.0), out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -99,7 +99,7 @@ def test_what_memory_does_not_hold_asks(harness: Harness, tmp_path: Path) -> Non
     """Refuse to compare a long recording in steps so small that memory does not hold them."""
     out = tmp_path / "out"
     small = ("--set", "mujoco.time_step=4e-4")
-    done = harness("run", long_recording(tmp_path), "--engine", "mujoco", *small, "--out", out)
+    done = harness("run", long_recording(tmp_path, 200.0), "--engine", "mujoco", *small, "--out", out)
     message = asked(done)
     assert "this would take up to " in message  # 7 minutes, which is not too long
     assert "GB of memory, more than 4; set a longer time_step" in message
