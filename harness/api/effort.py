@@ -43,7 +43,7 @@ def comparison_time(duration: float, engines: Sequence[tuple[Engine, EngineParam
 
 def diagnosis_time(recordings: Sequence[Recording]) -> float:
     """Time that a diagnosis of these recordings takes [s]."""
-    from harness.preparation.readings import neighbours_in_mean
+    from harness.recording.fast_sensor import neighbours_in_mean
 
     readings = sum(int(one.usable.sum()) / neighbours_in_mean(one) for one in recordings)
     return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings

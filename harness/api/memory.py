@@ -50,7 +50,7 @@ def diagnosis_memory(recordings: Sequence[Recording]) -> float:
     Threads, one on each core, fit rivals at the same time: each holds Jacobians of shape (readings, parameters), with a
     parameter for each recording where the rival has one.
     """
-    from harness.preparation.readings import neighbours_in_mean
+    from harness.recording.fast_sensor import neighbours_in_mean
 
     cores = os.cpu_count() or 1
     parameters = _PARAMETERS + len(recordings)

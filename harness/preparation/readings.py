@@ -12,13 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.recording import Recording
 from harness.signals.ball_state import BallEstimate
-
-# Rate above which readings are averaged [Hz]. A mean over 15 ms of a ball that accelerates by 2 m/s² is off by
-# 2·0.015²/24 = 0.02 mm from the position in the middle, of which the smoothed path knows the greater part.
-_ENOUGH = 66.0
-_FEWEST = 2  # positions that have a rate
 
 
 @dataclass(frozen=True)
@@ -41,19 +35,6 @@ class UsedReadings:
         return slice(None, None, self.every)
 
 
-def neighbours_in_mean(recording: Recording) -> int:
-    """How many neighbouring rows make one reading that is used: odd, mostly 1.
-
-    What counts is the rate of the positions that can be used, from the first to the last of them: where the ball is to
-    be predicted, only those of the first seconds are known.
-    """
-    known = recording.time[recording.usable]
-    if len(known) < _FEWEST:
-        return 1
-    rate = (len(known) - 1) / float(known[-1] - known[0])
-    return max(2 * ((int(rate / _ENOUGH) + 1) // 2) - 1, 1)
-
-
 def used_readings(ball: BallEstimate, position: FloatArray, noise: float, every: int) -> UsedReadings:
     """Means of neighbouring readings, the first one at the first stamp.
 
@@ -64,7 +45,7 @@ def used_readings(ball: BallEstimate, position: FloatArray, noise: float, every:
         ball: smoothed, at the n stamps.
         position: readings, NaN where missing or a spike, shape (n,) [m].
         noise: standard deviation of a reading, quantisation included [m].
-        every: number of neighbouring rows in a mean, odd (`neighbours_in_mean`).
+        every: number of neighbouring rows in a mean, odd (`harness.recording.fast_sensor`).
     """
     if every == 1:
         return UsedReadings(1, position, noise)

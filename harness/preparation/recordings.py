@@ -11,8 +11,9 @@ import numpy as np
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.preparation.readings import UsedReadings, neighbours_in_mean, used_readings
+from harness.preparation.readings import UsedReadings, used_readings
 from harness.recording import Recording, Sensors
+from harness.recording.fast_sensor import neighbours_in_mean
 from harness.signals.ball_state import BallEstimate, estimate_ball
 from harness.signals.drive import Drive, make_drive
 from harness.signals.held_drive import held_drive

@@ -3,7 +3,7 @@
 import math
 
 from harness.formatting import length, number
-from harness.preparation.readings import neighbours_in_mean
+from harness.recording.fast_sensor import neighbours_in_mean
 from harness.recording.known_rig import NEEDED, UNITS
 from harness.report.diagnosis.account import Account
 from harness.report.page import Section
