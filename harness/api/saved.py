@@ -158,10 +158,11 @@ class LoadedDiagnosis(Summarised):
     def _forecast(self, read: Recording, sensors: Sensors) -> dict[str, FloatArray]:
         """The columns of a prediction; the effects are beside the catalogue."""
         from harness.identify.estimate.forecast import forecast
-        from harness.identify.model_file import observed_for, prepared_for, read_forecasting
+        from harness.identify.model_file import observed_for, prepared_for, read_forecasting, with_noise_of
 
-        model = self.record.model
-        record = prepared_for(model, observed_for(model, read, sensors))
+        observed = observed_for(self.record.model, read, sensors)
+        model = with_noise_of(self.record.model, observed.used)
+        record = prepared_for(model, observed)
         problem, found = read_forecasting(model, record, str(self.origin))
         return forecast(problem, found, record, record.reading).table()
 

@@ -26,6 +26,7 @@ from harness.identify.record import (
 )
 from harness.identify.selection.ledger_record import colour_record, declared_record
 from harness.identify.selection.spline_terms import visited
+from harness.preparation.readings import UsedReadings
 from harness.preparation.recordings import Observed, observe
 from harness.recording import Recording, Sensors
 
@@ -50,6 +51,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
         estimator=found.estimator.value,
         band=found.band,
         reading_variance_m2=problem.reading_variance,
+        readings_in_mean=problem.readings_in_mean,
         colour=colour_record(problem),
         roughness=problem.roughness,
         noise_share=problem.noise_share,
@@ -101,11 +103,24 @@ def prepared_for(kept: ModelRecord, observed: Observed) -> PreparedRecording:
     return PreparedRecording.at_all_stamps(observed).rougher(kept.roughness)
 
 
+def with_noise_of(kept: ModelRecord, used: UsedReadings) -> ModelRecord:
+    """The model with the noise of these readings, which may be means of more readings, or of fewer, than its own.
+
+    White noise is averaged; coloured noise is taken for one that neighbours share.
+    """
+    white = (1.0 - kept.colour.share) * kept.readings_in_mean / used.every
+    factor = white + kept.colour.share
+    colour = kept.colour.model_copy(update={"share": kept.colour.share / factor})
+    variance = factor * kept.reading_variance_m2
+    changed = {"reading_variance_m2": variance, "readings_in_mean": used.every, "colour": colour}
+    return kept.model_copy(update=changed)
+
+
 def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
     """The problem and fit of what was found, for a filter over `recording`.
 
     Args:
-        kept: as `model_record` made it.
+        kept: as `model_record` made it, `with_noise_of` the recording's readings.
         recording: from `prepared_for`.
         origin: the file, for messages.
 

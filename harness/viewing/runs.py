@@ -18,7 +18,7 @@ from harness.engines.protocol import Engine, EngineRun
 from harness.errors import EngineFailure
 from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
-from harness.identify.model_file import observed_for, prepared_for, read_model
+from harness.identify.model_file import observed_for, prepared_for, read_model, with_noise_of
 from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
 from harness.identify.validation.engine_errors import InjectedLaw, law_of
@@ -109,7 +109,7 @@ def run_with(setting: Setting, engine: Engine, given: Mapping[str, Any], model: 
     """
     observed = observed_for(model, setting.recording, setting.case.sensors)
     prepared = prepared_for(model, observed)
-    problem, found = read_model(model, prepared, origin)
+    problem, found = read_model(with_noise_of(model, observed.used), prepared, origin)
     own = own_of(problem, found, prepared, prepared.reading)
     spline = found.terms.spline
     law = None if spline is None else law_of(spline, own.phase, problem.rig.gravity)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
 from analytic.effects import VISCOUS_DAMPING
-from harness.identify.estimate.forecast import forecast
-from harness.identify.model_file import model_record, observed_for, prepared_for, read_forecasting
+from harness.identify.estimate.forecast import filtered, forecast
+from harness.identify.model_file import model_record, observed_for, prepared_for, read_forecasting, with_noise_of
 from harness.identify.pose import problem_of
 from harness.identify.verdict import Identification, identify
-from harness.recording import Case, load_case
+from harness.preparation.readings import UsedReadings
+from harness.recording import Case, Recording, load_case, load_recording
 from harness.simulator import Experiment, write_case
 
 TRUE = 0.02  # [N s/m]
@@ -64,3 +68,45 @@ def test_a_prediction_has_all_stamps_and_the_noise_of_means(case: Case, identifi
     predicted = forecast(problem, found, prepared, prepared.reading)
     np.testing.assert_array_equal(predicted.time, recording.time)
     assert np.isfinite(predicted.position).all()
+
+
+def every_tenth(recording: Recording, folder: Path) -> Recording:
+    """The recording at a tenth of its rate, 50 Hz."""
+    file = folder / "slow.csv"
+    pd.read_csv(recording.path).iloc[::10].to_csv(file, index=False)
+    return load_recording(file)
+
+
+def test_a_recording_at_another_rate_has_the_noise_of_its_own_readings(
+    case: Case, identified: Identification, tmp_path: Path
+) -> None:
+    """A model of means of seven does not take single readings for as exact; its own readings stay as exact as they are.
+
+    The share of the variance that innovations of a filter over 16 seconds show is 1: of 800 readings, within four
+    times √(2/500); taken for means, they would show seven times the variance.
+    """
+    kept = model_record(identified.problem, identified.found, case.sensors)
+    assert kept.readings_in_mean == 7
+    whole = case.recordings[case.identify[0]]
+    same = observed_for(kept, whole, case.sensors)
+    assert with_noise_of(kept, same.used) == kept
+    slow = observed_for(kept, every_tenth(whole, tmp_path), case.sensors)
+    told = with_noise_of(kept, slow.used)
+    assert (told.readings_in_mean, slow.used.every) == (1, 1)
+    assert told.reading_variance_m2 == pytest.approx(7 * kept.reading_variance_m2)
+    prepared = prepared_for(told, slow)
+    problem, found = read_forecasting(told, prepared, "model")
+    run = filtered(problem, found, prepared, prepared.reading)
+    judged = run.innovation[prepared.judged] ** 2 / run.innovation_variance[prepared.judged]
+    assert np.mean(judged) == pytest.approx(1.0, abs=4 * np.sqrt(2 / len(judged)))
+
+
+def test_what_neighbours_share_no_mean_takes_away(case: Case, identified: Identification) -> None:
+    """Of a variance of 4 mm² of means of seven, of which a half is coloured: 2 mm² stay beside 14 of white noise."""
+    kept = model_record(identified.problem, identified.found, case.sensors)
+    colour = kept.colour.model_copy(update={"share": 0.5, "time_s": 0.05})
+    kept = kept.model_copy(update={"reading_variance_m2": 4e-6, "colour": colour})
+    told = with_noise_of(kept, UsedReadings(1, np.zeros(1), 1.0))
+    assert told.reading_variance_m2 == pytest.approx(16e-6)
+    assert told.colour.share == pytest.approx(2 / 16)
+    assert told.colour.time_s == 0.05

@@ -256,6 +256,7 @@ class Problem:
         roughness: factor on the density of the beam's third derivative that the angle readings tell [1].
         noise_share: of the scatter of the angle's readings: what of it is an error, by which they are smoothed [1].
         held_command: whether the angle is a command that is held from stamp to stamp.
+        readings_in_mean: how many readings make one that `reading_variance` is of.
     """
 
     recordings: tuple[PreparedRecording, ...]
@@ -269,15 +270,17 @@ class Problem:
     roughness: float = 1.0
     noise_share: float = 1.0
     held_command: bool = False
+    readings_in_mean: int = 1
 
     @classmethod
     def of(
         cls, observed: Sequence[Observed], rig: Rig, declared: tuple[Acting, ...], unknown: tuple[str, ...] = ()
     ) -> Problem:
-        """From prepared recordings, whose variances of a reading are averaged."""
+        """From prepared recordings, whose variances of a reading, and numbers of readings in a mean, are averaged."""
         variance = float(np.mean([one.used.noise**2 for one in observed]))
+        in_mean = round(float(np.mean([one.used.every for one in observed])))
         recordings = _knowing_rests([PreparedRecording.of(one) for one in observed])
-        return cls(recordings, rig, declared, variance, unknown=unknown)
+        return cls(recordings, rig, declared, variance, unknown=unknown, readings_in_mean=in_mean)
 
     def rougher(self, factor: float) -> Problem:
         """The same recordings with a beam that moves more roughly than in this problem (`Drive.rougher`)."""

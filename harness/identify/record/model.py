@@ -107,9 +107,10 @@ class ModelRecord(RecordPart):
     `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
     is the factor on the density of the beam's third derivative with which a drive is smoothed [1], `noise_share` what
     of the scatter of its readings is then an error [1], `held_command` whether the angle is a command, held from stamp
-    to stamp and not smoothed; `visited_m` is from where to where positions were recorded, without half a percent of the
-    readings at either end, null if not known. `forecast` has what predictions use instead
-    where parameters fitted to forecasts predict held-out blocks surely better, else null.
+    to stamp and not smoothed; `readings_in_mean` is how many readings of a fast sensor make one that
+    `reading_variance_m2` is of; `visited_m` is from where to where positions were recorded, without half a percent of
+    the readings at either end, null if not known. `forecast` has what predictions use instead where parameters fitted
+    to forecasts predict held-out blocks surely better, else null.
     """
 
     rig: RigRecord
@@ -124,6 +125,7 @@ class ModelRecord(RecordPart):
     estimator: EstimatorName = "likelihood"
     band: Positive = 1.0
     reading_variance_m2: Positive
+    readings_in_mean: int = Field(default=1, ge=1)
     colour: ColourRecord = ColourRecord()
     roughness: Positive = 1.0
     noise_share: Positive = 1.0
