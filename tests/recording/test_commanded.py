@@ -10,6 +10,7 @@ import pytest
 
 from harness.recording import Recording, load_case, load_recording
 from harness.recording.commanded import answers_readings
+from tests.recording.hand_turned import Hand, write_hand_turned
 from tests.recording.simulated import write
 from tests.recording.stopped import Run, stopped
 
@@ -50,3 +51,10 @@ def test_what_is_known_of_the_shared_rigs_is_told(shared: Path) -> None:
     rigs = {one.name: load_case(one) for group in ("cases", "recordings") for one in sorted((shared / group).iterdir())}
     told = {name for name, case in rigs.items() if answers_readings(case.recordings.values())}
     assert told == {"open_ball_beam", "ping_pong"}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_beam_that_turns_far_between_its_readings_is_no_command(tmp_path: Path, seed: int) -> None:
+    """Its ball answers at once, too, but by the lever of the beam's acceleration, and by no more."""
+    case = load_case(write_hand_turned(tmp_path / "case", Hand(corner=3.0, size=0.1, rate=8.0), seed))
+    assert not answers_readings(case.recordings.values())
