@@ -237,15 +237,17 @@ def _least_squares(
             latest = z, np.vstack((residuals.jacobian(origin + z, step), smoothness))
         return latest[1]
 
-    result = least_squares(
-        at,
-        start - origin,
-        jac=slopes,
-        bounds=(low - origin, high - origin),
-        x_scale=1.0,
-        max_nfev=6,
-        xtol=1e-5,
-        ftol=1e-6,
-        gtol=1e-6,
-    )
+    # A parameter that the readings tell nothing of makes its trust region overflow, where it then ends at a bound.
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        result = least_squares(
+            at,
+            start - origin,
+            jac=slopes,
+            bounds=(low - origin, high - origin),
+            x_scale=1.0,
+            max_nfev=6,
+            xtol=1e-5,
+            ftol=1e-6,
+            gtol=1e-6,
+        )
     return origin + result.x, np.asarray(result.jac)[: len(result.fun) - len(smoothness)]
