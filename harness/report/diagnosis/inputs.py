@@ -60,7 +60,7 @@ def _noise_share(account: Account) -> str:
 
 
 def _roughness(account: Account) -> str:
-    """By how much the beam moves more roughly than its angle's readings show; empty where it does not."""
+    """By how much the beam moves more roughly, or smoothly, than its angle's readings show; empty where it does not."""
     factor = account.diagnosis.problem.roughness
     if factor == 1.0:
         return ""

@@ -1,0 +1,56 @@
+"""A beam that turns far between two readings of its angle: what the smoother takes for noise of them is motion.
+
+From the record of an angle alone, white noise and a motion faster than half the sampling rate look alike: of a beam
+that is moved at 2 Hz and sampled without noise at 10 Hz, a tenth of the swing is taken for noise, and smoothed away.
+The density of its third derivative, which has as many values as there are readings then, comes out too large at the
+same time. With such a drive a delay of the position looks like whatever smooths the angle: a hold, or a servo. The
+ball, which has followed the beam between the readings too, tells both apart.
+"""
+
+from __future__ import annotations
+
+import math
+
+from analytic.effects import CHANNEL_DELAY
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.problem.problem import Problem
+
+_SHARES = (0.3, 0.1, 0.03, 0.01)  # of the deviation that the angle's readings tell; less is none
+_DENSITIES = (0.3, 0.1, 0.03, 0.01)  # times that which they tell
+_READINGS = 2000  # that are asked
+_SAME = 2.0  # differences of the deviance that tell nothing
+
+
+def of_a_fast_beam(problem: Problem) -> Problem:
+    """The same problem, with less noise of the angle and a smoother beam where the ball's readings tell so.
+
+    Asked is a model with a delay, which most records have. The less noise, and beside it the smoother beam, each have
+    to lower the BIC as much as an effect has. Of what fits as well as each other it is that nearest to what the
+    readings of the angle tell. Nothing is asked where the noise is declared, or less than the rounding.
+    """
+    if not all(one.drive.sensor.estimated and not one.drive.sensor.rounded for one in problem.recordings):
+        return problem
+    part = problem.beginning(_READINGS)
+    price = problem.settings.keep + math.log(part.readings)
+    share = _told(part, [part.quieter(share) for share in _SHARES], _SHARES, price)
+    if share == 1.0:
+        return problem
+    part = part.quieter(share)
+    density = _told(part, [part.rougher(density) for density in _DENSITIES], _DENSITIES, price)
+    return problem.quieter(share).rougher(density)
+
+
+def _told(asked: Problem, others: list[Problem], factors: tuple[float, ...], price: float) -> float:
+    """The factor of the one among `others` that is preferred to the problem asked, 1 if none is."""
+    deviances = [_deviance(one) for one in others]
+    if min(deviances) >= _deviance(asked) - price:
+        return 1.0
+    return max(factor for factor, one in zip(factors, deviances, strict=True) if one < min(deviances) + _SAME)
+
+
+def _deviance(problem: Problem) -> float:
+    """Lowest deviance with a delay beside what is known."""
+    known = {*problem.unknown, *(term.effect.name for term in problem.declared)}
+    delay = () if CHANNEL_DELAY.name in known else (CHANNEL_DELAY.name,)
+    return fit(problem, Hypothesis((*problem.unknown, *delay))).deviance
