@@ -15,6 +15,7 @@ from harness.recording.known_rig import Declared, KnownRig, Sensors, known_rig_o
 from harness.recording.own_files import OWN_FILES, is_own
 from harness.recording.recording import Recording, load_recording
 from harness.recording.rig_file import RigFile, read_rig_file
+from harness.recording.slow_angle import slow_angle_findings
 from harness.scene import Scene
 
 _DATA = Path(__file__).parents[1] / "data"
@@ -318,8 +319,12 @@ def _no_positions(recording: Recording) -> str:
 def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
     """Recordings without positions, then findings of each, located by the name under which it is listed."""
     without = [name for name in identify if not recordings[name].known.any()]
-    return [DataFinding("warning", name, _no_positions(recordings[name]), "no-positions") for name in without] + [
-        replace(finding, where=name + finding.where.removeprefix(recording.name))
-        for name, recording in recordings.items()
-        for finding in recording.findings
+    return [
+        *(DataFinding("warning", name, _no_positions(recordings[name]), "no-positions") for name in without),
+        *slow_angle_findings(recordings),
+        *(
+            replace(finding, where=name + finding.where.removeprefix(recording.name))
+            for name, recording in recordings.items()
+            for finding in recording.findings
+        ),
     ]

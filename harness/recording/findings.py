@@ -15,6 +15,7 @@ STOPPING: Mapping[str, str] = {
     "time-unit": "the time is in another unit",
     "units": "the ball's acceleration does not fit the tilt, in no known units",
     "rate": "the time stamps are too fast or too slow for this rig",
+    "undersampled-angle": "the beam turns faster than its angle is recorded",
     "density": "no ball has this mass and radius",
 }
 """Codes of findings that make a verdict worthless, with their meaning: they stop a diagnosis unless accepted."""
