@@ -22,6 +22,7 @@ from harness.signals.spline_smoother import Smoothed, draw
 
 # Below this share of a count the noise does not dither the rounding, and white noise of q²/12 would be a wrong model.
 _DITHERED = 0.5
+_LEAST_SHARED = 1e-6  # rad: of noise below that no share is taken, as it moves no ball and leaves no digits
 _LEAST_NOISE = 1e-9  # rad: a continuous reading without noise would make the smoother divide by zero
 
 
@@ -141,7 +142,8 @@ class SmoothedDrive(Drive):
         if share == 1.0 or self.sensor.rounded:
             return self
         resolution = self.sensor.resolution or None
-        return make_drive(self.time, self.reading, resolution=resolution, noise=share * self.sensor.noise)
+        noise = max(share * self.sensor.noise, min(self.sensor.noise, _LEAST_SHARED))
+        return make_drive(self.time, self.reading, resolution=resolution, noise=noise)
 
     def draw(self, count: int, seed: int) -> list[QuinticMotion]:
         """Drawn from the posterior, with the drive's correlated error."""

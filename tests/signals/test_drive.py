@@ -258,3 +258,16 @@ def test_free_run_on_an_effect_free_recording():
     # 20 draws tell their deviation to 16 %; the plant's own truth has another 0.4 mm.
     assert rms(error) < 2.5 * rms(np.std(runs, axis=0)) + 4e-4
     assert rms(error) < 2e-3
+
+
+def test_of_noise_that_moves_no_ball_no_share_is_taken() -> None:
+    """Keep the error of an angle that is known to a ten-millionth of a radian: less leaves no digits of it."""
+    time = np.arange(200) / 100
+    known = 1e-7 * np.random.default_rng(0).standard_normal(200) + 0.02
+    drive = make_drive(time, known)
+    assert drive.sensor.noise < 1e-6
+    quieter = drive.quieter(0.01)
+    assert quieter.sensor.noise == drive.sensor.noise
+    assert np.isfinite(quieter.error.covariance).all()
+    noisy = make_drive(time, 0.02 + 1e-3 * np.random.default_rng(0).standard_normal(200))
+    assert noisy.quieter(0.01).sensor.noise == pytest.approx(0.01 * noisy.sensor.noise)

@@ -20,6 +20,7 @@ _SHARES = (0.3, 0.1, 0.03, 0.01)  # of the deviation that the angle's readings t
 _DENSITIES = (0.3, 0.1, 0.03, 0.01)  # times that which they tell
 _READINGS = 2000  # that are asked
 _SAME = 2.0  # differences of the deviance that tell nothing
+_FELT = 1e-4  # noise of the angle [rad]: less accelerates a ball by less than 1 mm/s²
 
 
 def of_a_fast_beam(problem: Problem) -> Problem:
@@ -27,9 +28,11 @@ def of_a_fast_beam(problem: Problem) -> Problem:
 
     Asked is a model with a delay, which most records have. The less noise, and beside it the smoother beam, each have
     to lower the BIC as much as an effect has. Of what fits as well as each other it is that nearest to what the
-    readings of the angle tell. Nothing is asked where the noise is declared, or less than the rounding.
+    readings of the angle tell. Nothing is asked where the noise is declared, less than the rounding, or not felt.
     """
-    if not all(one.drive.sensor.estimated and not one.drive.sensor.rounded for one in problem.recordings):
+    sensors = [one.drive.sensor for one in problem.recordings]
+    noisy = all(one.estimated and not one.rounded for one in sensors)
+    if not noisy or max(one.noise for one in sensors) < _FELT:
         return problem
     part = problem.beginning(_READINGS)
     price = problem.settings.keep + math.log(part.readings)
