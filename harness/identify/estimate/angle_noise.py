@@ -6,7 +6,8 @@ drive, whose error is then stated several times too large. And where it is noise
 it: beside an angle of large error it takes a ball that dry friction holds for one that creeps. On both, friction came
 out at 0.6 of its size, and a second law that no ball obeys lowered the deviance by 70 (docs/diagnosis_experiments.md).
 
-Where no dry friction acts, a large error costs precision and nothing else, and the readings are left as they are.
+Where no dry friction acts, a large error costs precision and nothing else, and the readings are left as they are here;
+of a beam that turns far between its readings `fast_beam` asks the ball.
 """
 
 from __future__ import annotations
