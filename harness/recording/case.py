@@ -147,7 +147,8 @@ def _with_rig_file(path: Path, file: Path) -> Case:
         if content.identify is not None:
             raise
         raise InputError(f"{error} If it is not a recording, list the recordings in {file}: {EXAMPLE}.") from None
-    findings += [*_duplicates(recordings, (*identify, *predict), file.name), *_of_recordings(recordings, identify)]
+    findings += [*_duplicates(recordings, (*identify, *predict), file.name)]
+    findings += _of_recordings(recordings, identify, content.sensors)
     recordings, identify = _with_parts(_of_one_sensor(recordings), identify)
     return Case(
         path=path,
@@ -180,7 +181,7 @@ def _with_paper_rig(path: Path, files: list[Path]) -> Case:
         about_rig = DataFinding("warning" if path.is_dir() else "note", where, NO_RIG_FILE, "no-rig-file")
     own = _own_files(path) if path.is_dir() else []
     names = tuple(recordings)
-    findings = (about_rig, *own, *_duplicates(recordings, names, where), *_of_recordings(recordings, names))
+    findings = (about_rig, *own, *_duplicates(recordings, names, where), *_of_recordings(recordings, names, Sensors()))
     recordings, identify = _with_parts(_of_one_sensor(recordings), names)
     return Case(
         path=path,
@@ -316,12 +317,12 @@ def _no_positions(recording: Recording) -> str:
     return " ".join([text, *unused])
 
 
-def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...]) -> list[DataFinding]:
+def _of_recordings(recordings: dict[str, Recording], identify: tuple[str, ...], sensors: Sensors) -> list[DataFinding]:
     """Recordings without positions, then findings of each, located by the name under which it is listed."""
     without = [name for name in identify if not recordings[name].known.any()]
     return [
         *(DataFinding("warning", name, _no_positions(recordings[name]), "no-positions") for name in without),
-        *slow_angle_findings(recordings),
+        *slow_angle_findings(recordings, sensors),
         *(
             replace(finding, where=name + finding.where.removeprefix(recording.name))
             for name, recording in recordings.items()

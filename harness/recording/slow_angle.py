@@ -2,8 +2,8 @@
 
 Each reading is compared with a cubic through two neighbours on either side. Of a beam that moves smoothly it is off by
 little of the swing; of one that turns faster than it is sampled, by most of it, as the neighbours know nothing of it.
-White noise of the angle does the same, but moves no ball: what counts is how far the ball would be off a second later,
-if the beam were off as much from reading to reading.
+White noise of the angle does the same, but moves no ball: what is declared of it is taken off, and what counts is how
+far the ball would be off a second later, if the beam were off as much from reading to reading.
 
 A command that a controller computes from each reading jumps from row to row as well, and is known in between. Where it
 answers the position of its own row it is told (`harness.recording.commanded`), and nothing is said.
@@ -20,6 +20,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.recording.commanded import answers_readings
 from harness.recording.findings import DataFinding
+from harness.recording.known_rig import Sensors
 from harness.recording.plausibility import STANDARD_GRAVITY, USUAL_SLOPE
 from harness.recording.recording import Recording
 
@@ -47,13 +48,15 @@ class Between(NamedTuple):
         return self.share > limits[0] and self.way > limits[1]
 
 
-def slow_angle_findings(recordings: Mapping[str, Recording]) -> Iterator[DataFinding]:
+def slow_angle_findings(recordings: Mapping[str, Recording], sensors: Sensors) -> Iterator[DataFinding]:
     """A warning for each recording of a beam that turns far between its readings; where it is too far, it stops.
 
     Args:
         recordings: of one rig, by name.
+        sensors: of the rig.
     """
-    found = {name: between_readings(one.time, one.angle) for name, one in recordings.items()}
+    declared = math.hypot(sensors.angle_noise or 0.0, (sensors.angle_resolution or 0.0) / math.sqrt(12.0))
+    found = {name: between_readings(one.time, one.angle, declared) for name, one in recordings.items()}
     if not any(one.beyond(_WARNED) for one in found.values()) or answers_readings(recordings.values()):
         return
     for name, one in found.items():
@@ -64,7 +67,7 @@ def slow_angle_findings(recordings: Mapping[str, Recording]) -> Iterator[DataFin
             f"the beam turns far between readings of its angle, which come {rate:.3g} times a second: each is off from "
             f"what its neighbours tell by {100.0 * one.share:.0f} % of the swing, enough to move a ball by "
             f"{1e3 * one.way:.0f} mm within a second. Record the angle at least three times as often, or move the beam "
-            "more slowly"
+            "more slowly; if it is noise of the sensor, say so by angle_noise_rad in [sensors]"
         )
         if one.beyond(_STOPPED):
             yield DataFinding("warning", name, f"{text}.", "undersampled-angle")
@@ -76,12 +79,13 @@ def slow_angle_findings(recordings: Mapping[str, Recording]) -> Iterator[DataFin
             yield DataFinding("warning", name, text, "slow-angle")
 
 
-def between_readings(time: FloatArray, angle: FloatArray) -> Between:
+def between_readings(time: FloatArray, angle: FloatArray, noise: float = 0.0) -> Between:
     """What the angle does between its readings.
 
     Args:
         time: strictly increasing, shape (n,) [s].
         angle: shape (n,) [rad].
+        noise: standard deviation of a reading of it, as far as it is known [rad].
     """
     inner = np.arange(_SIDE, len(time) - _SIDE)
     if len(inner) < _FEWEST or np.ptp(angle) == 0.0:
@@ -99,6 +103,7 @@ def between_readings(time: FloatArray, angle: FloatArray) -> Between:
     even = ((gaps > _EVEN[0]) & (gaps < _EVEN[1])).all(axis=1)
     if even.sum() < _FEWEST:
         return Between(0.0, 0.0)
-    size = float(np.sqrt(np.mean(off[even] ** 2)))
+    of_noise = noise**2 * (1.0 + float(np.mean((weights[even] ** 2).sum(axis=1))))
+    size = math.sqrt(max(float(np.mean(off[even] ** 2)) - of_noise, 0.0))
     # An error of each interval h by itself, as white noise of the acceleration, moves a ball by K g √(h/3) within 1 s.
     return Between(size / float(angle.std()), USUAL_SLOPE * STANDARD_GRAVITY * size * math.sqrt(interval / 3.0))

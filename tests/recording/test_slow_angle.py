@@ -53,6 +53,16 @@ def test_noise_of_a_fast_sensor_is_no_motion(tmp_path: Path) -> None:
     assert not told(load_case(write_hand_turned(tmp_path / "case", hand, seed=2)))
 
 
+def test_declared_noise_is_no_motion(tmp_path: Path) -> None:
+    """Warn of an angle that scatters by a degree, which may be motion, but not where rig.toml calls it noise."""
+    hand = Hand(corner=1.0, size=0.1, rate=40.0, angle_noise=0.02)
+    folder = write_hand_turned(tmp_path / "case", hand, seed=3)
+    assert told(load_case(folder)) == {"slow-angle"}
+    rig = (folder / "rig.toml").read_text()
+    (folder / "rig.toml").write_text(rig.replace("[sensors]", "[sensors]\nangle_noise_rad = 0.02"))
+    assert not told(load_case(folder))
+
+
 def test_a_command_that_answers_the_readings_is_known_in_between(tmp_path: Path) -> None:
     """Say nothing of a controller's command that jumps from row to row."""
     made = stopped(Run(swing=0.05, noise=3e-2, commanded=True), seed=1).columns
