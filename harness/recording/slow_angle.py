@@ -19,7 +19,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.recording.commanded import answers_readings
-from harness.recording.findings import DataFinding
+from harness.recording.findings import MAX_PLACES, DataFinding
 from harness.recording.known_rig import Sensors
 from harness.recording.plausibility import STANDARD_GRAVITY, USUAL_SLOPE
 from harness.recording.recording import Recording
@@ -49,7 +49,7 @@ class Between(NamedTuple):
 
 
 def slow_angle_findings(recordings: Mapping[str, Recording], sensors: Sensors) -> Iterator[DataFinding]:
-    """A warning for each recording of a beam that turns far between its readings; where it is too far, it stops.
+    """A warning of recordings of a beam that turns far between its readings, and one of those that it makes useless.
 
     Args:
         recordings: of one rig, by name.
@@ -57,26 +57,38 @@ def slow_angle_findings(recordings: Mapping[str, Recording], sensors: Sensors) -
     """
     declared = math.hypot(sensors.angle_noise or 0.0, (sensors.angle_resolution or 0.0) / math.sqrt(12.0))
     found = {name: between_readings(one.time, one.angle, declared) for name, one in recordings.items()}
-    if not any(one.beyond(_WARNED) for one in found.values()) or answers_readings(recordings.values()):
+    warned = {name: one for name, one in found.items() if one.beyond(_WARNED)}
+    if not warned or answers_readings(recordings.values()):
         return
-    for name, one in found.items():
-        if not one.beyond(_WARNED):
-            continue
-        rate = 1.0 / float(np.median(np.diff(recordings[name].time)))
+    stopped = {name: one for name, one in warned.items() if one.beyond(_STOPPED)}
+    others = {name: one for name, one in warned.items() if name not in stopped}
+    if stopped:
+        yield DataFinding("warning", _names(stopped), f"{_told(recordings, stopped)}.", "undersampled-angle")
+    if others:
         text = (
-            f"the beam turns far between readings of its angle, which come {rate:.3g} times a second: each is off from "
-            f"what its neighbours tell by {100.0 * one.share:.0f} % of the swing, enough to move a ball by "
-            f"{1e3 * one.way:.0f} mm within a second. Record the angle at least three times as often, or move the beam "
-            "more slowly; if it is noise of the sensor, say so by angle_noise_rad in [sensors]"
+            f"{_told(recordings, others)}. Until then, do not rely on what tells a delay from a lag or a hold, nor on "
+            "a force that grows with the position, such as a bending beam's: it may be the centrifugal one of turns "
+            "that were not seen."
         )
-        if one.beyond(_STOPPED):
-            yield DataFinding("warning", name, f"{text}.", "undersampled-angle")
-        else:
-            text += (
-                ". Until then, do not rely on what tells a delay from a lag or a hold, nor on a force that grows with "
-                "the position, such as a bending beam's: it may be the centrifugal one of turns that were not seen."
-            )
-            yield DataFinding("warning", name, text, "slow-angle")
+        yield DataFinding("warning", _names(others), text, "slow-angle")
+
+
+def _names(found: Mapping[str, Between]) -> str:
+    names = list(found)
+    more = f" and {len(names) - MAX_PLACES} more" if len(names) > MAX_PLACES else ""
+    return ", ".join(names[:MAX_PLACES]) + more
+
+
+def _told(recordings: Mapping[str, Recording], found: Mapping[str, Between]) -> str:
+    """What was seen in these recordings, and the remedy."""
+    rate = min(1.0 / float(np.median(np.diff(recordings[name].time))) for name in found)
+    share, way = (max(getattr(one, key) for one in found.values()) for key in Between._fields)
+    return (
+        f"the beam turns far between readings of its angle, which come {rate:.3g} times a second: they are off from "
+        f"what their neighbours tell by up to {100.0 * share:.0f} % of the swing, enough to move a ball by "
+        f"{1e3 * way:.0f} mm within a second. Record the angle at least three times as often, or move the beam more "
+        "slowly; if it is noise of the sensor, say so by angle_noise_rad in [sensors]"
+    )
 
 
 def between_readings(time: FloatArray, angle: FloatArray, noise: float = 0.0) -> Between:

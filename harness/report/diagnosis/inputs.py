@@ -56,7 +56,7 @@ def _noise_share(account: Account) -> str:
     if share == 1.0:
         return ""
     told = f"{number(share, 2)} times the scatter of its readings, as the ball's readings tell"
-    return f"{told}; the beam follows the rest, as it does where the angle is a command"
+    return f"{told}; the rest is motion of the beam, as of a command, or of a beam that turns far between readings"
 
 
 def _roughness(account: Account) -> str:
