@@ -1,7 +1,7 @@
 """A beam that turns far between two readings of its angle: what the smoother takes for noise of them is motion.
 
 From the record of an angle alone, white noise and a motion faster than half the sampling rate look alike: of a beam
-that is moved at 2 Hz and sampled without noise at 10 Hz, a tenth of the swing is taken for noise, and smoothed away.
+that is moved at 1.5 Hz and sampled without noise at 10 Hz, a tenth of the swing is taken for noise, and smoothed away.
 The density of its third derivative, which has as many values as there are readings then, comes out too large at the
 same time. With such a drive a delay of the position looks like whatever smooths the angle: a hold, or a servo. The
 ball, which has followed the beam between the readings too, tells both apart.
