@@ -12,6 +12,7 @@ from harness.api.assemble import diagnosis_record
 from harness.api.diagnosis import input_hashes
 from harness.identify.diagnosis import Another, Diagnosis
 from harness.identify.estimate.fit import Estimator, fit
+from harness.identify.estimate.forecast import Forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.spline_term import Kind, Regressor, blank
@@ -27,9 +28,9 @@ from harness.identify.verdict import Estimate, IdentifiedEffect, Verdict
 from harness.preparation.recordings import observe
 from harness.recording import load_case
 from harness.report.diagnosis import render_diagnosis
-from harness.report.diagnosis.account import Account
+from harness.report.diagnosis.account import FOUND, Account
 from harness.report.diagnosis.inputs import _status
-from harness.report.diagnosis.verdict import before_after
+from harness.report.diagnosis.verdict import before_after, chart
 from harness.scene import Scene
 from harness.simulator import Experiment, write_case
 
@@ -160,6 +161,22 @@ def test_the_recording_with_readings_left_out_is_shown(diagnosis, record, case):
     assert account.shown.name == name
     drawn = {line.get_label(): line for line in before_after(account).axes[0].lines}
     assert len(drawn["left out of all fits"].get_xdata()) == 80
+
+
+def test_a_prediction_that_runs_away_hides_no_recording(diagnosis, record, case):
+    """Frame readings and three times their spread where a prediction ends a hundred metres off, in either picture."""
+    account = Account(diagnosis, record, case, "")
+    shown = account.shown
+    away = np.nan_to_num(shown.reading) + 100.0 * np.linspace(0.0, 1.0, len(shown.time)) ** 6
+    ran = Forecast(shown.time, away, np.full(len(away), 1e-3), np.column_stack((away, np.zeros(len(away)))))
+    spread = np.ptp(shown.reading[np.isfinite(shown.reading)])
+    top, bottom = before_after(account, [(ran, FOUND)]).axes
+    upper, lower = chart(account, [(ran, FOUND)]).panels
+    for low, high in (top.get_ylim(), upper.frame):
+        assert low <= shown.reading[np.isfinite(shown.reading)].min()
+        assert high - low < 4.0 * spread
+    for _, high in (bottom.get_ylim(), lower.frame):
+        assert high < 1e3 * 7.0 * spread
 
 
 def test_errors_stand_by_source_and_horizon(html):

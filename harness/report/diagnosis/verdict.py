@@ -32,6 +32,7 @@ RECORDED = Look("recording", MEASURED_COLOUR, None, 2.0, 4)
 SIGMA = Look("± 2 σ", UNCERTAINTY_COLOUR)
 LEFT_OUT = Look("left out of all fits", LEFT_OUT_COLOUR)
 _MAX_BAND = 3.0  # of the uncertainty band in the figure, times the largest error
+_LEAST_SPREAD = 0.02  # of the readings in a picture [m]
 
 
 def section(account: Account) -> Section:
@@ -184,13 +185,14 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
     known = np.isfinite(reading)
     drawn = known | np.isin(time, left_out[:, 0])  # with gaps where readings are left out
     plots.signal(top, time[drawn], reading[drawn], RECORDED)
-    plots.frame(top, np.concatenate((reading[known], closest.position)), margin=0.25)
+    near = _near(reading[known], closest.position)
+    plots.frame(top, np.concatenate((reading[known], near)), margin=0.25)
     errors = [(1e3 * (one.position - reading), look) for one, look in runs]
     # The difference contains the noise of the reading.
     reach = 2e3 * np.sqrt(closest.deviation**2 + account.diagnosis.problem.reading_variance)
     plots.band(bottom, time, -reach, reach)
     plots.zero(bottom)
-    seen = errors[-1][0][known]
+    seen = 1e3 * (near - reading)[known]
     most = _MAX_BAND * float(np.max(np.abs(seen)))
     plots.frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
     for axes, lines, label in (
@@ -259,10 +261,10 @@ def chart(account: Account, runs: Runs) -> Chart:
         *(Trace(look.label, look, time, 1e3 * (one.position - reading)) for one, look in runs),
     ]
     known = np.isfinite(reading)
-    errors = [1e3 * np.abs(one.position - reading)[known] for one, _ in runs]
-    most = _MAX_BAND * float(np.max(errors[-1]))
+    near = _near(reading[known], closest.position)
+    most = _MAX_BAND * 1e3 * float(np.max(np.abs(near - reading)[known]))
     panels = [
-        Panel("position s", "m", top, frame=_framed(np.concatenate((reading[known], closest.position)))),
+        Panel("position s", "m", top, frame=_framed(np.concatenate((reading[known], near)))),
         Panel("prediction − reading", "mm", bottom, frame=(-most, most), zero=True),
     ]
     return Chart(CHART, panels, clock=clock_of(shown), marks=marks(account))
@@ -273,6 +275,16 @@ def marks(account: Account) -> list[Mark]:
     begin = float(account.shown.time[0])
     text = "known positions, from which the prediction starts"
     return [Mark("identify", text, begin, begin + _known(account))]
+
+
+def _near(reading: FloatArray, position: FloatArray) -> FloatArray:
+    """Predicted positions, cut where they leave the readings by more than these spread [m].
+
+    On a beam that a controller moves, a prediction of many seconds ends anywhere: what it leaves is not to be hidden.
+    """
+    low, high = float(reading.min()), float(reading.max())
+    spread = max(high - low, _LEAST_SPREAD)
+    return np.clip(position, low - spread, high + spread)
 
 
 def _framed(values: FloatArray) -> tuple[float, float]:
