@@ -9,7 +9,7 @@ from analytic.effects import CATALOGUE
 from analytic.effects.effect import UnknownQuantity
 from harness.errors import InputError
 from harness.identify.estimate.angle_noise import prefers_held_command, told_noise_share
-from harness.identify.estimate.fast_beam import of_a_fast_beam
+from harness.identify.estimate.fast_beam import with_fast_beam
 from harness.identify.estimate.noise_colour import with_noise_colour
 from harness.identify.problem.problem import Problem
 from harness.identify.rig_completion import complete_rig, missing
@@ -53,7 +53,7 @@ def problem_of(case: Case, names: Sequence[str] | None = None) -> Problem:
         if prefers_held_command(problem, held):
             return with_noise_colour(held)
     noise_share = told_noise_share(problem)
-    return with_noise_colour(of_a_fast_beam(problem) if noise_share == 1.0 else posed(noise_share))
+    return with_noise_colour(with_fast_beam(problem) if noise_share == 1.0 else posed(noise_share))
 
 
 def unknown_effects(known: KnownRig, *, lever: bool = True) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ _SAME = 2.0  # differences of the deviance that tell nothing
 _FELT = 1e-4  # noise of the angle [rad]: less accelerates a ball by less than 1 mm/s²
 
 
-def of_a_fast_beam(problem: Problem) -> Problem:
+def with_fast_beam(problem: Problem) -> Problem:
     """The same problem, with less noise of the angle and a smoother beam where the ball's readings tell so.
 
     Asked is a model with a delay, which most records have. The less noise, and beside it the smoother beam, each have

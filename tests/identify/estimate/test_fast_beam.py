@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.identify.estimate.fast_beam import of_a_fast_beam
+from harness.identify.estimate.fast_beam import with_fast_beam
 from harness.identify.estimate.fit import fit
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
@@ -51,7 +51,7 @@ def test_declared_noise_is_believed(tmp_path: Path) -> None:
     hand = Hand(corner=1.5, size=0.1, rate=10.0, duration=10.0)
     case = load_case(write_hand_turned(tmp_path / "case", hand, seed=4))
     declared = problem_of(replace(case, sensors=replace(case.sensors, angle_noise=1e-4)))
-    assert of_a_fast_beam(declared) is declared
+    assert with_fast_beam(declared) is declared
 
 
 @pytest.mark.slow
