@@ -24,9 +24,9 @@ def recorded(folder: Path, time: FloatArray, known: NDArray[np.bool_]) -> Record
     return load_recording(file)
 
 
-@pytest.mark.parametrize(("rate", "every"), [(10, 1), (100, 1), (197, 1), (199, 3), (250, 3), (500, 7), (1000, 15)])
+@pytest.mark.parametrize(("rate", "every"), [(10, 1), (100, 1), (200, 1), (329, 1), (331, 5), (500, 7), (1000, 15)])
 def test_as_many_neighbours_as_leave_enough_readings(tmp_path: Path, rate: int, every: int) -> None:
-    """An odd number, with a mean at the stamp in the middle, and at least 66 means a second."""
+    """An odd number from five on, with a mean at the stamp in the middle, and at least 66 means a second."""
     time = np.arange(5 * rate + 1) / rate
     assert neighbours_in_mean(recorded(tmp_path, time, np.ones(len(time), dtype=bool))) == every
     assert rate / every >= 66 or every == 1
