@@ -83,7 +83,7 @@ def test_a_recording_at_another_rate_has_the_noise_of_its_own_readings(
     """A model of means of seven does not take single readings for as exact; its own readings stay as exact as they are.
 
     The share of the variance that innovations of a filter over 16 seconds show is 1: of 800 readings, within four
-    times √(2/500); taken for means, they would show seven times the variance.
+    times √(2/800); taken for means, they would show seven times the variance.
     """
     kept = model_record(identified.problem, identified.found, case.sensors)
     assert kept.readings_in_mean == 7

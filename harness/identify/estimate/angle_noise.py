@@ -20,8 +20,10 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 
 _FIRST, _FURTHER = 0.5, (0.3, 0.1, 0.03)  # a scatter of less is none: the readings are then followed as they are
-_READINGS = 2000  # that are asked, as they were taken: between coarse ones, α̈ is not what presses the ball
-_SAME = 2.0  # differences of the deviance that tell nothing of a share
+ASKED = 2000
+"""Readings that are asked, as they were taken: between coarse ones, α̈ is not what presses the ball."""
+SAME = 2.0
+"""Differences of the deviance that tell nothing of a share."""
 # Where the beam lags behind the angle, the ball tells the share by a model that lags, too, and by no other.
 _DRY = (ROLLING_RESISTANCE.name, ANGLE_SERVO.name)
 _FREE = (VISCOUS_DAMPING.name, ANGLE_SERVO.name)
@@ -41,12 +43,12 @@ def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     deviance of the one is below that of the other by as much as an effect has to lower it. Where something is missing
     in both, process noise covers what either explains.
     """
-    smoothed, held = (problem.beginning(_READINGS) for problem in (smoothed, held))
+    smoothed, held = (problem.beginning(ASKED) for problem in (smoothed, held))
     price = smoothed.settings.keep + math.log(smoothed.readings)
     lowest, of_held = math.inf, math.inf
     for names in _BESIDE_SERVO:
-        lowest = min(lowest, _deviance(smoothed, (*names, ANGLE_SERVO.name)))
-        of_held = min(of_held, _deviance(held, (*names, ANGLE_SERVO.name)))
+        lowest = min(lowest, lowest_deviance(smoothed, (*names, ANGLE_SERVO.name)))
+        of_held = min(of_held, lowest_deviance(held, (*names, ANGLE_SERVO.name)))
         if of_held < lowest - price:
             return True
     return False
@@ -61,20 +63,20 @@ def told_noise_share(problem: Problem) -> float:
     dry = any(term.effect is ROLLING_RESISTANCE for term in problem.declared)
     if dry or all(one.drive.sensor.rounded for one in problem.recordings):
         return 1.0
-    part = problem.beginning(_READINGS)
+    part = problem.beginning(ASKED)
     price = problem.settings.keep + math.log(part.readings)
 
-    deviances = {share: _deviance(part.quieter(share), _DRY) for share in (1.0, _FIRST)}
+    deviances = {share: lowest_deviance(part.quieter(share), _DRY) for share in (1.0, _FIRST)}
     if deviances[_FIRST] >= deviances[1.0]:
         return 1.0
-    deviances |= {share: _deviance(part.quieter(share), _DRY) for share in _FURTHER}
+    deviances |= {share: lowest_deviance(part.quieter(share), _DRY) for share in _FURTHER}
     lowest = min(deviances.values())
-    share = max(share for share, one in deviances.items() if one < lowest + _SAME)
-    limit = min(deviances[1.0], _deviance(part.quieter(share), _FREE)) - price
+    share = max(share for share, one in deviances.items() if one < lowest + SAME)
+    limit = min(deviances[1.0], lowest_deviance(part.quieter(share), _FREE)) - price
     return share if deviances[share] < limit else 1.0
 
 
-def _deviance(problem: Problem, names: tuple[str, ...]) -> float:
-    """Lowest deviance with these effects beside those that are known."""
+def lowest_deviance(problem: Problem, names: tuple[str, ...]) -> float:
+    """Lowest deviance of a problem with these effects beside those that are known or stood for."""
     known = {*problem.unknown, *(term.effect.name for term in problem.declared)}
     return fit(problem, Hypothesis((*problem.unknown, *(name for name in names if name not in known)))).deviance

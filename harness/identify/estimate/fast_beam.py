@@ -12,14 +12,12 @@ from __future__ import annotations
 import math
 
 from analytic.effects import CHANNEL_DELAY
-from harness.identify.estimate.fit import fit
-from harness.identify.problem.hypothesis import Hypothesis
+from harness.identify.estimate.angle_noise import ASKED, SAME, lowest_deviance
 from harness.identify.problem.problem import Problem
 
 _SHARES = (0.3, 0.1, 0.03, 0.01)  # of the deviation that the angle's readings tell; less is none
 _DENSITIES = (0.3, 0.1, 0.03, 0.01)  # times that which they tell
-_READINGS = 2000  # that are asked
-_SAME = 2.0  # differences of the deviance that tell nothing
+_ASKED_BESIDE = (CHANNEL_DELAY.name,)
 _FELT = 1e-4  # noise of the angle [rad]: less accelerates a ball by less than 1 mm/s²
 
 
@@ -34,7 +32,7 @@ def with_fast_beam(problem: Problem) -> Problem:
     noisy = all(one.estimated and not one.rounded for one in sensors)
     if not noisy or max(one.noise for one in sensors) < _FELT:
         return problem
-    part = problem.beginning(_READINGS)
+    part = problem.beginning(ASKED)
     price = problem.settings.keep + math.log(part.readings)
     share = _told(part, [part.quieter(share) for share in _SHARES], _SHARES, price)
     if share == 1.0:
@@ -46,14 +44,7 @@ def with_fast_beam(problem: Problem) -> Problem:
 
 def _told(asked: Problem, others: list[Problem], factors: tuple[float, ...], price: float) -> float:
     """The factor of the one among `others` that is preferred to the problem asked, 1 if none is."""
-    deviances = [_deviance(one) for one in others]
-    if min(deviances) >= _deviance(asked) - price:
+    deviances = [lowest_deviance(one, _ASKED_BESIDE) for one in others]
+    if min(deviances) >= lowest_deviance(asked, _ASKED_BESIDE) - price:
         return 1.0
-    return max(factor for factor, one in zip(factors, deviances, strict=True) if one < min(deviances) + _SAME)
-
-
-def _deviance(problem: Problem) -> float:
-    """Lowest deviance with a delay beside what is known."""
-    known = {*problem.unknown, *(term.effect.name for term in problem.declared)}
-    delay = () if CHANNEL_DELAY.name in known else (CHANNEL_DELAY.name,)
-    return fit(problem, Hypothesis((*problem.unknown, *delay))).deviance
+    return max(factor for factor, one in zip(factors, deviances, strict=True) if one < min(deviances) + SAME)
