@@ -10,6 +10,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
+from harness.importing.distinct import distinct, known_values
 from harness.importing.signals import Group, Signal, is_known
 from harness.importing.words import VOLTS, Kind, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.findings import quoted
@@ -61,8 +62,8 @@ def find(
         group, signal = named(path, chosen.column, groups, option=f"--{role}")
         return Found(group, signal, chosen, f"--{role}")
     kinds = [(group, signal, _kind(group, signal)) for group, signal in every if signal is not taken]
-    matches = [(group, signal) for group, signal, kind in kinds if kind == role]
-    shafts = [(group, signal) for group, signal, kind in kinds if kind == "shaft"]
+    matches = distinct(role, [(group, signal) for group, signal, kind in kinds if kind == role])
+    shafts = distinct(role, [(group, signal) for group, signal, kind in kinds if kind == "shaft"])
     if role == "angle" and options.linkage is not None and shafts:  # it turns the shaft's angle into the beam's
         matches, shafts = shafts, []
         if len(matches) == 1:
@@ -85,7 +86,16 @@ def find(
     if matches:
         question = f"{path}: {len(matches)} columns may be the {_WORDS[role]}."
         raise Ambiguity(question, _choices(role, matches))
-    left = [(group, signal) for group, signal, kind in kinds if kind != "time" and _varies(signal)]
+    if role == "angle" and shafts:
+        angles = quoted([group.qualified(signal) for group, signal in shafts][:MOST_CHOICES])
+        raise Ambiguity(
+            f"{path}: no column is called the {_WORDS[role]}; {angles} may be it, or that of the servo or motor.",
+            _choices(role, shafts),
+            f"If a crank turns the beam, add {_LINKAGE}.",
+        )
+    left = [(group, signal) for group, signal, kind in kinds if kind is None and _varies(signal)]
+    # What is called something else is offered after it, as names may mislead.
+    left += [(group, signal) for group, signal, kind in kinds if kind not in (None, "time") and _varies(signal)]
     question = (
         f"{path}: no column is called the {_WORDS[role]}; it has {quoted([g.qualified(s) for g, s in every][:20])}."
     )
@@ -100,6 +110,7 @@ def find(
 
 
 _WORDS = {"time": "time", "angle": "beam's angle", "position": "ball's position"}
+_LINKAGE = "--linkage r=RADIUS,L=LEVER in m, such as r=0.025,L=0.4"
 
 
 def _kind(group: Group, signal: Signal) -> Kind | None:
@@ -126,7 +137,7 @@ def _shaft(path: Path, group: Group, signal: Signal, options: Options) -> Found:
     raise Ambiguity(
         f"{path}: '{name}' may be the angle of the servo or motor, and not that of the beam.",
         (as_beam,),
-        "If a crank turns the beam, give --linkage r=RADIUS,L=LEVER in m, such as r=0.025,L=0.4. If the beam turns in "
+        f"If a crank turns the beam, give {_LINKAGE}. If the beam turns in "
         "proportion to it, give the ratio as the gain of --angle COLUMN:GAIN UNIT/READING, such as "
         f"--angle '{name}:0.0625 {unit}/{unit}'.",
     )
@@ -171,7 +182,7 @@ def _choices(role: Role, signals: Sequence[tuple[Group, Signal]]) -> tuple[Choic
 
 def range_of(signal: Signal) -> str:
     """Range and count of the values, in words."""
-    known = signal.values[np.isfinite(signal.values)]
+    known = known_values(signal)
     if not len(known):
         return "blank"
     unit = f" {signal.unit}" if signal.unit else ""
@@ -179,5 +190,6 @@ def range_of(signal: Signal) -> str:
 
 
 def _varies(signal: Signal) -> bool:
-    known = signal.values[np.isfinite(signal.values)]
-    return len(known) > 1 and float(np.ptp(known)) > 0.0
+    """Whether a column's values change, by more than a count of the rows does."""
+    steps = np.diff(known_values(signal))
+    return len(steps) > 0 and bool(np.any(steps != 0.0)) and not bool(np.all(steps == 1.0))

@@ -113,6 +113,8 @@ def divide(path: Path, rows: Rows, *, aligned: bool = False) -> Sheet:
     if not aligned:
         names, units, said = _with_first(path, rows[head:begin], names, units, body)
         notes = (*notes, *said)
+    if not names and above and (more := _names_too_many(above[-1][1], width)):
+        notes = (*notes, f"row {above[-1][0]} has {more} names for {width} columns, which are called by their numbers")
     like_data = [row for row, cells in above if is_data(cells) and len(_trimmed(cells)) > 1]
     if like_data:
         notes = (*notes, f"{rows_text(like_data)} above the table left out, though it looks like data")
@@ -135,6 +137,13 @@ def _names_above(above: Rows, width: int) -> int | None:
             named = 1 < width == len(cells) and not any(is_missing(cell) or is_number(cell) for cell in cells)
             return index if named else None
     return None
+
+
+def _names_too_many(cells: Sequence[str], width: int) -> int:
+    """How many names stand in a row that has more of them than there are columns; 0 if it is no such row."""
+    named = _trimmed(cells)
+    says = len(named) > width and not any(is_missing(cell) or is_number(cell) for cell in named)
+    return len(named) if says and any(read_name(cell).kind for cell in named) else 0
 
 
 def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tuple[str, ...]]:

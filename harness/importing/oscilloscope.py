@@ -82,17 +82,21 @@ def preamble_of(rows: Sequence[Sequence[str]]) -> Preamble:
             key = filled[0].casefold().strip(' :"=')
             entries.setdefault(key, filled[1])
             behind.setdefault(key, filled[1:])
+    for cell in (cell for cells in rows for cell in cells):  # within a row: `… 16:05:25, Sampling Period : 50 ms`
+        said = re.fullmatch(r"\s*(.+?)\s*[:=]\s*(.+?)\s*", cell)
+        if said and said[1].casefold() in {*_INTERVALS, *_RATES}:
+            entries.setdefault(said[1].casefold(), said[2])
     for above, below in itertools.pairwise(rows):  # Rigol: X,CH1,Start,Increment
         for name, value in zip(above, below, strict=False):
             if name.strip().casefold() in {*_STARTS, *_INTERVALS} and is_number(value.strip()):
                 entries[name.strip().casefold()] = value.strip()
-    increment, said = _first(entries, _INTERVALS)
+    increment, key = _first(entries, _INTERVALS)
     if increment is None:
-        rate, said = _first(entries, _RATES)
+        rate, key = _first(entries, _RATES)
         increment = 1.0 / rate if rate else None
     start, _ = _first(entries, _STARTS)
     words = " ".join(cell for cells in rows for cell in cells)
-    return Preamble(entries, behind, increment if increment and increment > 0.0 else None, said, start, words)
+    return Preamble(entries, behind, increment if increment and increment > 0.0 else None, key, start, words)
 
 
 def instrument(preamble: Preamble, names: Sequence[str]) -> str:

@@ -36,6 +36,11 @@ def is_known(signal: Signal) -> bool:
     return bool(np.isfinite(signal.values).any())
 
 
+def counts_rows(values: FloatArray) -> bool:
+    """Whether readings, shape (n,), only count the rows."""
+    return len(values) > 2 and bool(np.all(np.diff(values) == 1.0))
+
+
 @dataclass(frozen=True, eq=False)
 class Group:
     """Signals that share their rows.

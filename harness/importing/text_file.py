@@ -12,7 +12,7 @@ from harness.errors import InputError
 from harness.importing import labview
 from harness.importing.grid import Rows, Sheet, data_begins, divide, group_of_sheet, is_data
 from harness.importing.oscilloscope import Preamble, instrument, preamble_of, without_side_preamble
-from harness.importing.signals import Group, Signal, SourceFile
+from harness.importing.signals import Group, SourceFile, counts_rows
 from harness.importing.words import is_unit, read_name
 from harness.recording.source import read_source
 
@@ -160,13 +160,9 @@ def _with_interval(group: Group, preamble: Preamble, sheet: Sheet) -> Group:
     if preamble.increment is None:
         return group
     first = group.signals[0]
-    counts = first.name.casefold() in ("x", "sequence", "index", "sample", "point") and _counts(first)
+    counts = first.name.casefold() in ("x", "sequence", "index", "sample", "point") and counts_rows(first.values)
     signals = group.signals[1:] if counts and len(group.signals) > 1 else group.signals
     start = 0.0 if preamble.start is None else preamble.start
     if counts:
         start += float(first.values[0]) * preamble.increment
     return replace(group, signals=signals, step=preamble.increment, start=start, step_from=preamble.increment_from)
-
-
-def _counts(signal: Signal) -> bool:
-    return len(signal.values) > 1 and bool(((signal.values[1:] - signal.values[:-1]) == 1.0).all())

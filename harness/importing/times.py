@@ -11,7 +11,8 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.importing.choices import Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.columns import named, range_of
-from harness.importing.signals import Group, Signal, is_known
+from harness.importing.distinct import distinct
+from harness.importing.signals import Group, Signal, counts_rows, is_known
 from harness.importing.words import factor_of, read_name
 
 
@@ -61,9 +62,11 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
         signal = next(one for one in group.signals if one.name == group.time)
         return _of_signal(signal, None, signal.unit_from or "the format")
     matches = [one for one in group.signals if read_name(group.own_name(one)).kind == "time" and is_known(one)]
+    if group.step is not None:  # what counts the rows beside it is no time
+        matches = [one for one in matches if _unit(one)[0] or not counts_rows(one.values)]
     if len(matches) > 1:
         with_values = [one for one in matches if _rises(one)]
-        matches = with_values if len(with_values) == 1 else matches
+        matches = with_values if len(with_values) == 1 else [one for _, one in distinct("time", _of(group, matches))]
     if len(matches) == 1:
         return _of_signal(matches[0], None, "its name")
     if not matches and group.step is not None:
@@ -84,13 +87,21 @@ def _of_signal(signal: Signal, chosen: Chosen | None, evidence: str) -> Times:
     if chosen is not None and chosen.unit:
         values = chosen.gain * signal.values + chosen.offset
         return Times(name, values, chosen.unit, chosen.factor, evidence, "--time", chosen)
-    unit, source = signal.unit, signal.unit_from
-    if not unit:
-        unit, source = read_name(name).unit, "its name"
-    if not unit and name.casefold() in ("second", "seconds", "sekunden", "secondes"):
-        unit = "s"
+    unit, source = _unit(signal)
     factor = factor_of("time", unit) if unit else None
     return Times(name, signal.values, unit if factor else "", factor, evidence, source if factor else "")
+
+
+def _unit(signal: Signal) -> tuple[str, str]:
+    """The unit of a time as written, empty if nothing says it, and where it is written."""
+    if signal.unit:
+        return signal.unit, signal.unit_from
+    seconds = signal.name.casefold() in ("second", "seconds", "sekunden", "secondes")
+    return read_name(signal.name).unit or ("s" if seconds else ""), "its name"
+
+
+def _of(group: Group, signals: Sequence[Signal]) -> list[tuple[Group, Signal]]:
+    return [(group, one) for one in signals]
 
 
 def _rises(signal: Signal) -> bool:

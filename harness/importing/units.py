@@ -14,6 +14,7 @@ from harness.errors import InputError
 from harness.importing.choices import Ambiguity, Choice, is_reading
 from harness.importing.columns import Found
 from harness.importing.physics import Evidence, is_usual
+from harness.importing.signals import counts_rows
 from harness.importing.words import ROLES, UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
 from harness.recording.columns import QUANTITIES
 
@@ -157,6 +158,8 @@ def resolve(
         why = "and the data allow several"
     elif told and not with_physics:
         role, why = told[0], "and the ball does not follow the angle clearly enough to tell it"
+    elif "time" in unknown and not with_physics and counts_rows(values["time"]):
+        role, why = "time", "and counts the rows, whatever time passed between them"
     elif "angle" in told and _are_whole(values["angle"]):
         role, why = "angle", "and holds whole numbers, which may be the counts of an encoder"
     if role is not None:
@@ -176,7 +179,7 @@ def _open(path: Path, role: Role, name: str, values: FloatArray, units: Sequence
         Choice({role: f"{name}:{unit}"}, f"--{role} '{name}:{unit}'", _range(values * UNITS[role][unit], role))
         for unit in units or CANDIDATES[role]
     )
-    advice = ""
+    advice = "If it only counts the rows, give the sampling rate: --rate 100 (Hz)." if counts_rows(values) else ""
     if role != "time":
         unit = CANDIDATES[role][-1] if role == "angle" else "cm"
         advice = f"For counts or volts give gain and offset: --{role} '{name}:0.088 {unit}/count+0.5'."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -119,3 +120,38 @@ def test_blank_columns_are_said_and_asked_about(tmp_path: Path) -> None:
         understand([source], Options())
     assert [one.typed for one in caught.value.choices] == ["--angle 'angle raw'"]
     assert "save it" in caught.value.advice
+
+
+def test_more_names_than_columns(tmp_path: Path) -> None:
+    """Say that a row of names is too long for anybody to know which belong to the columns."""
+    source = read_file(put(tmp_path / "a.csv", "t,I1,alpha,x,dotx,doty", first="0.0{}"))
+    assert [one.name for one in source.groups[0].signals] == [f"column {at}" for at in (1, 2, 3, 4)]
+    assert source.notes == ("row 1 has 6 names for 4 columns, which are called by their numbers",)
+
+
+def test_a_sampling_period_within_a_row(tmp_path: Path) -> None:
+    """Take the sampling interval that a program writes beside the date above the names."""
+    file = put(tmp_path / "a.txt", "Thursday\t16:05:25\tSampling Period : 50  ms\t\tFree control\n\nangle\tx\tu", "\t")
+    file.write_text(file.read_text().replace("\nangle\tx\tu\n", "\nn\tangle\tx\tu\n"))
+    (group,) = read_file(file).groups
+    assert (group.step, group.step_from) == (0.05, "sampling period")
+
+
+def counted(file: Path, preamble: str = "") -> Path:
+    """A table whose time counts the rows, of a ball that does not follow the angle: only sizes tell the unit."""
+    rows = "".join(f"{at}\t{3.0 * math.sin(0.02 * at)}\t{0.3 + 0.02 * math.sin(0.11 * at)}\n" for at in range(900))
+    file.write_text(f"{preamble}t\tAlpha [deg]\tx [m]\n{rows}")
+    return file
+
+
+def test_a_time_that_counts_the_rows(tmp_path: Path) -> None:
+    """Take the sampling period above the table for a time without a unit that counts the rows."""
+    file = counted(tmp_path / "a.txt", "Sampling Period : 10 ms\n")
+    assert np.ptp(understand([read_file(file)], Options()).time) == pytest.approx(0.01 * 899)
+
+
+def test_a_count_of_rows_is_not_taken_for_milliseconds(tmp_path: Path) -> None:
+    """Ask for the time where a column without a unit counts the rows and nothing but its size would tell."""
+    with pytest.raises(Ambiguity, match=r"'t' \(time\) has no unit, and counts the rows") as caught:
+        understand([read_file(counted(tmp_path / "a.txt"))], Options())
+    assert "--rate" in caught.value.advice
