@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from analytic.effects import CHANNEL_DELAY, ROLLING_RESISTANCE, VISCOUS_DAMPING
 from analytic.rig import SOLID_SPHERE, Rig, RigError
 from harness.errors import InputError
 from harness.identify.estimate.rig import FittedRig, fit_rig
@@ -19,6 +20,7 @@ from harness.preparation.recordings import MIN_POSITIONS, observe
 from harness.recording import Case, KnownRig, Recording
 from harness.recording.findings import DataFinding
 
+_USUAL = (0.3, 0.72)  # K of balls, solid or hollow, on tracks from a deep groove to a flat rail
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
 _RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
 # Standard errors. Three rather than two: the other reading, a ball whose mass is concentrated at its centre, is rare.
@@ -27,6 +29,12 @@ _ANGLE_TO_CHECK = (
     "If the recorded angle is that of a crank or motor, or its unit is another one, give its gain or the linkage when "
     "importing (docs/import.md)"
 )
+_BESIDE = {
+    ROLLING_RESISTANCE: "a rolling friction f =",
+    VISCOUS_DAMPING: "a viscous damping of",
+    CHANNEL_DELAY: "a delay of",
+}
+"""What is fitted together with K, in words."""
 _SAME = 1e-9  # relative difference of a value that was left as it is
 _LABELS = {"mass": ("mass m", "kg"), "radius": ("ball radius R", "m"), "gravity": ("gravity g", "m/s²")}
 
@@ -121,22 +129,30 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     used = (first, *(one for one in others if int(one.usable.sum()) >= MIN_POSITIONS))
     problem = Problem.of([observe(one, case.sensors, rough) for one in used], rough, declared_effects(case))
     ratio, lever = "ratio" in wanted, "lever" in wanted
-    fitted = fit_rig(problem, ratio=ratio, level=level, lever=lever)
+    fitted = _fitted(problem, ratio=ratio, level=level, lever=lever)
     if not all(map(math.isfinite, (fitted.ratio, fitted.level, fitted.lever))):
         raise InputError(
             f"{case.path}: the recordings do not determine rolling ratio K, level angle and lever of this rig. "
             "Add what is known of it to rig.toml ([ball], [beam]), or record longer, with more positions."
         )
     if fitted.ratio < _MIN_ROLLING_RATIO:
-        turned = "the sign of angle or position is reversed" if fitted.ratio < -_MIN_ROLLING_RATIO else "check units"
+        turned = (
+            "the sign of angle or position is reversed"
+            if fitted.ratio < -_MIN_ROLLING_RATIO
+            else "check signs and units"
+        )
         raise NotRolling(
             f"{case.path}: the recordings show a ball that does not roll down the recorded angle (K = "
-            f"{fitted.ratio:.2f} ± {fitted.std[0]:.2f}, where 0.3 to 0.72 is usual): {turned}; α > 0 must lower the "
-            "+s end"
+            f"{fitted.ratio:.2f} ± {fitted.std[0]:.2f}, where {_USUAL[0]:g} to {_USUAL[1]:g} is usual): {turned}; "
+            f"α > 0 must lower the +s end. {_ANGLE_TO_CHECK}"
         )
     count = "one recording" if len(used) == 1 else f"{len(used)} recordings"
-    friction = f"together with a rolling friction f = {round(fitted.friction, 6):.2g} ± {fitted.friction_std:.1g}"
-    how = f"least squares on the innovations of {count}, {friction}"
+    together = " and ".join(
+        f"{_BESIDE[effect]} {round(value, 6):.2g} ± {std:.1g}{' ' * (unit != '1')}{unit.removeprefix('1')}"
+        for effect, (value, std) in fitted.beside.items()
+        for unit in (effect.parameters[0].unit,)
+    )
+    how = f"least squares on the innovations of {count}, together with {together}"
     estimates: list[RigEstimate] = []
     rig = rough.with_(level_angle=fitted.level)
     if ratio:
@@ -152,6 +168,20 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     if level:
         estimates.append(RigEstimate("level angle α₀", fitted.level, fitted.std[1], "rad", how))
     return CompletedRig(rig, fitted, (*estimates, *assumed))
+
+
+def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> FittedRig:
+    """The estimate beside a rolling friction, or beside viscous damping and a delay.
+
+    These are tried where K is no usual one, and taken where they lower the BIC as much as an effect has to.
+    """
+    plain = fit_rig(problem, ratio=ratio, level=level, lever=lever)
+    known = {term.effect for term in problem.declared} & {VISCOUS_DAMPING, CHANNEL_DELAY}
+    if not ratio or known or _USUAL[0] <= plain.ratio <= _USUAL[1]:
+        return plain
+    damped = fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=True)
+    price = problem.settings.keep + math.log(problem.readings)
+    return damped if damped.ratio > 0.0 and damped.deviance < plain.deviance - price else plain
 
 
 def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, RigEstimate]:

@@ -4,18 +4,22 @@ Model: CAM with the declared effects, and a rolling friction so that friction do
 
     s̈ = K [g sin(α + α₀) + s α̇² − ℓ α̈ − f N/m · sgn ṡ],   K = 1/(1 + J/(m r²)),   ℓ = h + r + J/(m r).
 
+Of a ball that is damped so much that its velocity follows the angle, as in water, or that is recorded late, that model
+gives a K several times too small; `damped` puts viscous damping and a delay of the position in the friction's place.
+
 Masses and radii are not identifiable beyond K, ℓ and α₀. K and ℓ are fitted as such, in place of the rough rig's: no
 mass or radius has to be adapted to them on the way, and K may leave (0, 1), which tells of a wrong unit or sign.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from analytic.effects import LEVEL_ERROR, ROLLING_RESISTANCE, Effect, Parameter
+from analytic.effects import CHANNEL_DELAY, LEVEL_ERROR, ROLLING_RESISTANCE, VISCOUS_DAMPING, Effect, Parameter
 from analytic.effects.force import Values
 from analytic.motion import FloatArray
 from analytic.rig import Rig
@@ -75,7 +79,9 @@ _LEVER = Effect(
     "the paper, eq. 14",
     write=_write_lever,
 )
-_STAND_INS = {effect.name: effect for effect in (_RATIO, _LEVER, LEVEL_ERROR, ROLLING_RESISTANCE)}
+_STAND_INS = {
+    effect.name: effect for effect in (_RATIO, _LEVER, LEVEL_ERROR, ROLLING_RESISTANCE, VISCOUS_DAMPING, CHANNEL_DELAY)
+}
 
 
 @dataclass(frozen=True)
@@ -97,16 +103,17 @@ class FittedRig:
         level: α₀ [rad].
         lever: ℓ [m].
         covariance: of these three in this order, shape (3, 3).
-        friction: f of the jointly fitted rolling friction, beside the declared effects [1].
-        friction_std: standard error of f [1].
+        deviance: of the fit [1].
+        beside: what was fitted jointly, beside the declared effects: value and standard error of each effect's only
+            parameter, in its unit.
     """
 
     ratio: float
     level: float
     lever: float
     covariance: FloatArray
-    friction: float
-    friction_std: float
+    deviance: float
+    beside: Mapping[Effect, tuple[float, float]]
 
     @property
     def std(self) -> tuple[float, float, float]:
@@ -115,21 +122,25 @@ class FittedRig:
         return ratio, level, lever
 
 
-def fit_rig(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> FittedRig:
+def fit_rig(problem: Problem, *, ratio: bool, level: bool, lever: bool, damped: bool = False) -> FittedRig:
     """Estimates the requested ones of K, α₀ and ℓ from all recordings jointly; the others are those of the rig.
 
     Args:
         problem: of the rough rig, with nothing that stands for the unknown.
         ratio, level, lever: which are requested; ℓ is left at the rig's if its standard error would exceed 0.02 m.
+        damped: whether viscous damping and a delay are fitted jointly, and not a rolling friction.
     """
-    requested = {_RATIO: ratio, LEVEL_ERROR: level, ROLLING_RESISTANCE: True}
+    beside = (VISCOUS_DAMPING, CHANNEL_DELAY) if damped else (ROLLING_RESISTANCE,)
+    requested = {_RATIO: ratio, LEVEL_ERROR: level, beside[0]: True}
     names = tuple(effect.name for effect, wanted in requested.items() if wanted)
     found = fit(problem, _RigHypothesis(names), rounds=_ROUNDS)
+    if damped:  # one after the other: from no damping, a long delay is a better explanation than a short one
+        found = _fit_with(problem, found, CHANNEL_DELAY, 0.0)
     if lever:
         found = _with_lever(problem, found)
     rig, values = problem.rig, found.values()
     rows = {key: row for row, key in enumerate(found.hypothesis.parameters)}
-    chosen = [rows.get(_key(one), -1) for one in (_RATIO, LEVEL_ERROR, _LEVER, ROLLING_RESISTANCE)]
+    chosen = [rows.get(_key(one), -1) for one in (_RATIO, LEVEL_ERROR, _LEVER, *beside)]
     # The last row and column are those of what is not fitted.
     covariance = np.pad(_covariance(problem, found), (0, 1))[np.ix_(chosen, chosen)]
     return FittedRig(
@@ -137,20 +148,34 @@ def fit_rig(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> Fitte
         level=rig.level_angle + values.get(_key(LEVEL_ERROR), 0.0),
         lever=values.get(_key(_LEVER), rig.lever),
         covariance=covariance[:3, :3],
-        friction=values[_key(ROLLING_RESISTANCE)],
-        friction_std=float(np.sqrt(covariance[3, 3])),
+        deviance=found.deviance,
+        beside={
+            effect: (values[_key(effect)], float(np.sqrt(variance)))
+            for effect, variance in zip(beside, np.diag(covariance)[3:], strict=True)
+        },
     )
 
 
 def _with_lever(problem: Problem, found: Fit) -> Fit:
     """A fit of ℓ too, if the recordings identify it."""
-    wider = _RigHypothesis((*found.hypothesis.names, _LEVER.name))
-    begin = np.append(found.theta, problem.rig.lever / wider.scale(problem)[-1])
+    wider, begin = _wider(problem, found, _LEVER, problem.rig.lever)
     slopes = Residuals(problem, wider, found.process_noise).jacobian(begin, COARSE_STEP)
     variance = information_inverse(problem, wider, slopes)[-1, -1]
     if variance > _MAX_LEVER_STD**2:
         return found
+    return _fit_with(problem, found, _LEVER, problem.rig.lever)
+
+
+def _fit_with(problem: Problem, found: Fit, effect: Effect, value: float) -> Fit:
+    """A fit of an effect too, from the values of `found` and this one of its only parameter, in its unit."""
+    wider, begin = _wider(problem, found, effect, value)
     return fit(problem, wider, starts=(begin,), process_noise=found.process_noise, rounds=_ROUNDS)
+
+
+def _wider(problem: Problem, found: Fit, effect: Effect, value: float) -> tuple[_RigHypothesis, FloatArray]:
+    """The hypothesis of `found` with an effect more, and its scaled parameters, shape (k,)."""
+    wider = _RigHypothesis((*found.hypothesis.names, effect.name))
+    return wider, np.append(found.theta, value / wider.scale(problem)[-1])
 
 
 def _key(effect: Effect) -> tuple[str, str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.effects import ROLLING_RESISTANCE
 from analytic.motion import FloatArray
 from harness.comparison import Choices, prepare
 from harness.errors import InputError
@@ -33,7 +34,8 @@ def z_scores(folder: Path, make: object, counts: int, resistance: float, seeds: 
         fitted = hidden_rig(folder, make, counts, resistance, seed).prepare().fitted
         assert fitted is not None
         rows.append((np.array([fitted.ratio, fitted.level, fitted.lever]) - TRUTH) / fitted.std)
-        assert fitted.friction == pytest.approx(resistance, abs=4.0 * fitted.friction_std + 0.02 * resistance)
+        friction, error = fitted.beside[ROLLING_RESISTANCE]
+        assert friction == pytest.approx(resistance, abs=4.0 * error + 0.02 * resistance)
     return np.array(rows)
 
 
@@ -71,7 +73,7 @@ def test_a_level_angle_is_found_beside_friction(shared: Path) -> None:
     assert abs(fitted.level - truth) < 2.5 * fitted.std[1]
     assert fitted.std[1] < 2e-5
     # The case declares its friction, 0.002, so that nothing is left; it only has to be out of the way.
-    assert fitted.friction == pytest.approx(0.0, abs=5e-5)
+    assert fitted.beside[ROLLING_RESISTANCE][0] == pytest.approx(0.0, abs=5e-5)
 
 
 @pytest.mark.parametrize("name", ["null_plain", "null_declared_paper_encoder", "rolling"])
