@@ -21,6 +21,7 @@ from harness.recording import Case, KnownRig, Recording
 from harness.recording.findings import DataFinding
 
 _USUAL = (0.3, 0.72)  # K of balls, solid or hollow, on tracks from a deep groove to a flat rail
+_OTHER = 4.0  # standard errors by which a K is another: normal ones are exceeded once in 16,000
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
 _RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
 # Standard errors. Three rather than two: the other reading, a ball whose mass is concentrated at its centre, is rare.
@@ -173,15 +174,17 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
 def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> FittedRig:
     """The estimate beside a rolling friction, or beside viscous damping and a delay.
 
-    These are tried where K is no usual one, and taken where they lower the BIC as much as an effect has to.
+    These are taken where they lower the BIC as much as an effect has to, and K is another by more than its error: the
+    friction then stands for what it is not. Where both agree, the simpler model is kept.
     """
     plain = fit_rig(problem, ratio=ratio, level=level, lever=lever)
     known = {term.effect for term in problem.declared} & {VISCOUS_DAMPING, CHANNEL_DELAY}
-    if not ratio or known or _USUAL[0] <= plain.ratio <= _USUAL[1]:
+    if not ratio or known:
         return plain
     damped = fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=True)
     price = problem.settings.keep + math.log(problem.readings)
-    return damped if damped.ratio > 0.0 and damped.deviance < plain.deviance - price else plain
+    better = damped.deviance < plain.deviance - price
+    return damped if better and damped.ratio - plain.ratio > _OTHER * plain.std[0] else plain
 
 
 def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, RigEstimate]:

@@ -72,7 +72,7 @@ def test_ratio_of_a_damped_ball(tmp_path: Path, ratio: float, damping: float, de
 
 
 def test_a_ball_that_is_hardly_damped(tmp_path: Path) -> None:
-    """Leave the estimate beside a rolling friction where K is a usual one."""
+    """Leave the estimate beside a rolling friction where the other agrees with it."""
     case = load_case(water(tmp_path / "case", ratio=0.6, damping=0.02, delay=0.0))
     fitted = complete_rig(case, case.recordings["rec_01.csv"]).fitted
     assert fitted is not None
