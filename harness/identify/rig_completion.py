@@ -174,8 +174,8 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
 def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> FittedRig:
     """The estimate beside a rolling friction, or beside viscous damping and a delay.
 
-    These are taken where they lower the BIC as much as an effect has to, and K is another by more than its error: the
-    friction then stands for what it is not. Where both agree, the simpler model is kept.
+    These are taken where they lower the BIC as much as an effect has to, and K is another by more than its error (the
+    friction then stands for what it is not), or a ball's only with them. Where both agree, the simpler model is kept.
     """
     plain = fit_rig(problem, ratio=ratio, level=level, lever=lever)
     known = {term.effect for term in problem.declared} & {VISCOUS_DAMPING, CHANNEL_DELAY}
@@ -184,7 +184,9 @@ def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> Fitte
     damped = fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=True)
     price = problem.settings.keep + math.log(problem.readings)
     better = damped.deviance < plain.deviance - price
-    return damped if better and damped.ratio - plain.ratio > _OTHER * plain.std[0] else plain
+    another = damped.ratio - plain.ratio > _OTHER * plain.std[0]
+    rolls = plain.ratio < _MIN_ROLLING_RATIO <= damped.ratio
+    return damped if better and (another or rolls) else plain
 
 
 def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> tuple[Rig, RigEstimate]:

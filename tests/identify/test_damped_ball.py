@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic.effects import CHANNEL_DELAY, ROLLING_RESISTANCE, VISCOUS_DAMPING
+from harness.identify import rig_completion
+from harness.identify.estimate.rig import FittedRig
 from harness.identify.pose import problem_of
 from harness.identify.rig_completion import NotRolling, complete_rig
 from harness.identify.verdict import Verdict, identify
@@ -85,6 +89,44 @@ def test_a_reversed_angle_of_a_damped_ball_is_refused(tmp_path: Path) -> None:
     with pytest.raises(NotRolling, match="sign") as caught:
         complete_rig(case, case.recordings["rec_01.csv"])
     assert "crank" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("plain", "damped", "taken"),
+    [
+        pytest.param((0.33, 0.01, 0.0), (0.52, 0.01, -500.0), "damped", id="another K"),
+        pytest.param((0.52, 0.03, 0.0), (0.54, 0.03, -500.0), "plain", id="the same K"),
+        pytest.param((0.33, 0.01, 0.0), (0.52, 0.01, -5.0), "plain", id="another K that fits no better"),
+        pytest.param((0.03, 0.01, 0.0), (0.06, 0.02, -50.0), "damped", id="a ball only with damping"),
+        pytest.param((0.03, 0.01, 0.0), (0.04, 0.02, -50.0), "plain", id="no ball either way"),
+        pytest.param((0.40, 0.01, 0.0), (0.20, 0.01, -500.0), "plain", id="damping does not lower K"),
+    ],
+)
+def test_which_estimate_is_taken(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    plain: tuple[float, float, float],
+    damped: tuple[float, float, float],
+    taken: str,
+) -> None:
+    """Take K beside damping and delay where the BIC asks for them and it differs; each is K, its error, deviance."""
+
+    def fitted(
+        _: object, *, damped: bool = False, of: Mapping[bool, tuple[float, float, float]], **__: bool
+    ) -> FittedRig:
+        ratio, error, deviance = of[damped]
+        return FittedRig(ratio, 0.0, 0.02, np.diag((error**2, 0.0, 0.0)), deviance, {})
+
+    monkeypatch.setattr(rig_completion, "fit_rig", partial(fitted, of={False: plain, True: damped}))
+    case = load_case(water(tmp_path / "case", ratio=0.6, damping=0.02, delay=0.0))
+    wanted = plain if taken == "plain" else damped
+    if wanted[0] < 0.05:
+        with pytest.raises(NotRolling, match=f"K = {wanted[0]:.2f}"):
+            complete_rig(case, case.recordings["rec_01.csv"])
+        return
+    completed = complete_rig(case, case.recordings["rec_01.csv"])
+    assert completed.fitted is not None
+    assert completed.fitted.ratio == wanted[0]
 
 
 @pytest.mark.slow
