@@ -128,7 +128,8 @@ def import_recording(
     ask: Ask | None = None,
     command: str = "harness.import_recording",
 ) -> Imported:
-    """Make a case of recordings as MATLAB, Simulink, LabVIEW, oscilloscopes, spreadsheets or ROS write them.
+    """Make a case of recordings as MATLAB, Simulink, LabVIEW, oscilloscopes, microcontrollers, spreadsheets
+    or ROS write them.
 
     Args:
         files: a file, or several, one recording each.

@@ -73,10 +73,10 @@ def import_(files: tuple[Path, ...], rig: tuple[str, ...], as_json: bool, **opti
     """Make a case of recordings as they come, and show how they were understood.
 
     FILE is a MAT-file (Simulink's structure with time, timeseries or Dataset; timetables, vectors, matrices), a
-    spreadsheet (.xlsx), Parquet, text of an oscilloscope, of LabVIEW (.lvm) or of anything else with columns, or a ROS
-    bag. Writes rec_01.csv …, a rig.toml whose comments say what is known, estimated or unknown, and import.json. What
-    cannot be told from the file is asked on a terminal; elsewhere the command ends with exit code 2 and the options to
-    give. See docs/import.md.
+    spreadsheet (.xlsx), Parquet, JSON, text of an oscilloscope, of LabVIEW (.lvm), of a serial port or of anything
+    else with columns, or a ROS bag. Writes rec_01.csv …, a rig.toml whose comments say what is known, estimated or
+    unknown, and import.json. What cannot be told from the file is asked on a terminal; elsewhere the command ends with
+    exit code 2 and the options to give. See docs/import.md.
 
     \b
     Examples:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from harness.errors import InputError
 from harness.importing.bytes import head_of
+from harness.importing.json_file import NAMES as JSON_NAMES
+from harness.importing.json_file import read_json
 from harness.importing.matlab import HDF5
 from harness.importing.matlab_process import read_apart
 from harness.importing.ros import is_bag, read_bag
@@ -14,7 +16,7 @@ from harness.importing.tables import read_parquet, read_workbook
 from harness.importing.text_file import read_text
 
 _OLD_SPREADSHEET = b"\xd0\xcf\x11\xe0"
-_NAMES = ".mat, .xlsx, .parquet, .lvm, .csv, .txt, .mcap, .bag, .db3, or the folder of a ROS 2 bag"
+_NAMES = ".mat, .xlsx, .parquet, .lvm, .csv, .txt, .json, .mcap, .bag, .db3, or the folder of a ROS 2 bag"
 
 
 def read_file(path: Path) -> SourceFile:
@@ -44,6 +46,8 @@ def read_file(path: Path) -> SourceFile:
         raise InputError(f"{path}: an .xls file of old. Save it as .xlsx or as CSV from the spreadsheet program.")
     if b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise InputError(f"{path}: binary data of an unknown format. Known are {_NAMES}.")
+    if path.suffix.lower() in JSON_NAMES or head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"[{")):
+        return read_json(path)
     return read_text(path)
 
 

@@ -12,6 +12,7 @@ from harness.errors import InputError
 from harness.importing import labview
 from harness.importing.grid import Rows, Sheet, data_begins, divide, group_of_sheet, is_data
 from harness.importing.oscilloscope import Preamble, instrument, preamble_of, without_side_preamble
+from harness.importing.serial_log import labelled_rows, with_received, without_clock
 from harness.importing.signals import Group, SourceFile, counts_rows
 from harness.importing.words import is_unit, read_name
 from harness.recording.source import read_source
@@ -34,8 +35,14 @@ def read_text(path: Path) -> SourceFile:
     lines = source.text.split("\n")
     if labview.is_labview(lines):
         return labview.read(path, source.sha256, lines)
-    separator = _separator(path, lines)
-    rows = _rows(path, lines, separator)
+    lines, clock = without_clock(lines)
+    labelled = labelled_rows(lines)
+    if labelled is not None:
+        rows, told = labelled
+        layout = "labels in every line"
+    else:
+        separator = _separator(path, lines)
+        rows, told, layout = _rows(path, lines, separator), (), _WORDS[separator]
     rows, side = without_side_preamble(rows)
     sheet = divide(path, rows)
     preamble = preamble_of((*side, *sheet.preamble))
@@ -47,9 +54,9 @@ def read_text(path: Path) -> SourceFile:
     return SourceFile(
         path,
         source.sha256,
-        f"{instrument(preamble, sheet.names)}, {_WORDS[separator]}",
-        (_with_interval(group, preamble, sheet),),
-        (*sheet.notes, *notes),
+        f"{instrument(preamble, sheet.names)}, {layout}",
+        (with_received(_with_interval(group, preamble, sheet), clock),),
+        (*told, *sheet.notes, *notes),
     )
 
 

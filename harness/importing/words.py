@@ -94,6 +94,7 @@ _LETTERS: Mapping[str, Kind] = {
     "x": "position",
     "s": "position",
     "v": "velocity",
+    "th": "shaft",
     "θ": "shaft",
     "ϑ": "shaft",
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -215,6 +217,47 @@ def free_text(path: Path) -> Path:
     return path
 
 
+def serial_monitor(path: Path) -> Path:
+    """What a serial monitor saves of labelled values: its clock before each line, and how the program began."""
+    time, angle, position = truth()
+    lines = ["12:00:00.000 -> Wippe v3", "12:00:00.010 -> calibrating ..."]
+    for t, a, s in zip(time, np.degrees(angle), 1e3 * position, strict=True):
+        lines.append(f"12:00:{15.0 + t:06.3f} -> TH:{a:.4f},X:{s:.3f},U:{10.0 * a:.1f}")
+    path.write_text("\n".join((*lines, "")))
+    return path
+
+
+def labelled(path: Path) -> Path:
+    """Labels, values and units between blanks."""
+    rows = zip(*truth(), strict=True)
+    path.write_text(
+        "".join(f"t={t:.3f} s angle={math.degrees(a):.4f} deg pos={100.0 * s:.3f} cm\n" for t, a, s in rows)
+    )
+    return path
+
+
+def records(path: Path) -> Path:
+    """A record of JSON a line, with objects in it."""
+    rows = zip(*truth(), strict=True)
+    lines = (
+        json.dumps({"t": round(float(t), 3), "beam": {"angle": float(a)}, "ball": {"x": float(s)}}) for t, a, s in rows
+    )
+    path.write_text("\n".join((*lines, "")))
+    return path
+
+
+def lists(path: Path) -> Path:
+    """Lists of JSON by name, below what describes them."""
+    time, angle, position = truth()
+    columns = {
+        "time_s": time.tolist(),
+        "angle_deg": np.degrees(angle).tolist(),
+        "position_mm": (1e3 * position).tolist(),
+    }
+    path.write_text(json.dumps({"rig": "beam 2", "gains": [2.0, 0.1], "log": columns}))
+    return path
+
+
 FILES: Mapping[str, tuple[Callable[[Path], Path], tuple[str, ...]]] = {
     "scope.mat": (scope_struct, ("--linkage", f"r={CRANK},L={LEVER}")),
     "vectors.mat": (vectors, ()),
@@ -234,5 +277,9 @@ FILES: Mapping[str, tuple[Callable[[Path], Path], tuple[str, ...]]] = {
     ),
     "log.lvm": (labview, ()),
     "free.txt": (free_text, ("--angle", "theta")),
+    "monitor.txt": (serial_monitor, ("--angle", "TH:deg")),
+    "labels.txt": (labelled, ()),
+    "records.jsonl": (records, ()),
+    "lists.json": (lists, ()),
 }
 """Files by name: who writes them, and what the user has to say."""

@@ -20,8 +20,9 @@ CHOSEN = {
     "rigol.csv": Options(angle="CH1:0.05 rad/V", position="CH2:0.125 m/V-0.1"),
     "scope.mat": Options(linkage="r=0.05,L=0.4"),
     "free.txt": Options(angle="theta"),
+    "monitor.txt": Options(angle="TH:deg"),
 }
-TEXTS = ("tek.csv", "rigol.csv", "log.lvm", "free.txt")
+TEXTS = ("tek.csv", "rigol.csv", "log.lvm", "free.txt", "monitor.txt", "labels.txt", "records.jsonl", "lists.json")
 BINARIES = ("scope.mat", "v73.mat", "logsout.mat", "log73.mat", "timetable.mat", "book.xlsx", "log.parquet")
 
 
