@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from benchmarks.fuzz import strange
 from benchmarks.fuzz.doors import seed
 
-TEXTS = ("scope.csv", "log.lvm", "free.txt")
+TEXTS = ("scope.csv", "log.lvm", "free.txt", "monitor.txt", "records.jsonl", "lists.json")
 BINARIES = ("vectors.mat", "hdf5.mat", "logsout.mat", "log.parquet")
 BOOK = "book.xlsx"
 _CELLS = (
