@@ -118,6 +118,7 @@ def import_recording(
     angle: str | None = None,
     position: str | None = None,
     rate: float | None = None,
+    where: Sequence[str] = (),
     linkage: str | None = None,
     flip_angle: bool = False,
     flip_position: bool = False,
@@ -141,6 +142,7 @@ def import_recording(
         angle: column of the beam's angle, likewise, or as `COLUMN:GAIN UNIT/READING+OFFSET`.
         position: column of the ball's position, likewise; `none` for a recording without positions.
         rate: sampling rate [Hz], where the file has no times.
+        where: rows to take, as `COLUMN=VALUE`: those with one of the values of each column named.
         linkage: `r=0.025,L=0.4` [m] where the angle is that of a crank; the beam's is asin(r sin(θ + offset) / L).
         flip_angle: whether to negate the angle, so that a positive one accelerates the ball towards +s.
         flip_position: whether to negate the position, to the same end.
@@ -168,7 +170,7 @@ def import_recording(
     if into is not None and quantities:
         raise InputError("--rig is for a new case; write what is known into rig.toml of the existing one.")
     options = Options(
-        time, angle, position, rate, flip_angle, flip_position, keep_signs, linkage, quantities
+        time, angle, position, rate, flip_angle, flip_position, keep_signs, linkage, quantities, tuple(where)
     )  # fmt: skip
     sources = [read_file(path) for path in paths]
     understood = []

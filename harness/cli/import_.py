@@ -47,6 +47,12 @@ if TYPE_CHECKING:
     "--rate", type=FiniteRange(min=0.0, min_open=True), metavar="HZ", help="Sampling rate, if no column holds the time."
 )
 @click.option(
+    "--where",
+    multiple=True,
+    metavar="COLUMN=VALUE",
+    help="Take only rows with this value, such as state=RUNNING; repeatable: one of the values of each column.",
+)
+@click.option(
     "--linkage",
     metavar="r=M,L=M[,offset=ANGLE]",
     help="The angle θ is a crank's, of radius r, on a beam with the lever L, in m: α = asin(r sin(θ + offset) / L); "

@@ -87,6 +87,7 @@ class Options:
         keep_signs: whether signs stay although the data contradict them.
         linkage: as `r=0.025,L=0.4,offset=5deg`.
         rig: quantities of `rig.toml` by table and key, such as `{"ball": {"mass_kg": 0.064}}`.
+        where: rows to take, as `COLUMN=VALUE`: those that have one of the values of each column named.
         gravity: g [m/s²] for the checks.
     """
 
@@ -99,6 +100,7 @@ class Options:
     keep_signs: bool = False
     linkage: str | None = None
     rig: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    where: tuple[str, ...] = ()
 
     @property
     def gravity(self) -> float | None:

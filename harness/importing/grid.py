@@ -150,7 +150,7 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
     """The columns of numbers, and notes on those of words."""
     _refuse_mixed_marks(path, sheet)
     signals: list[Signal] = []
-    left_out: list[str] = []
+    words: dict[str, tuple[str, ...]] = {}
     blank: list[str] = []
     for column, (title, unit) in enumerate(zip(sheet.names, sheet.units, strict=True)):
         cells = [row[column] for row in sheet.cells]
@@ -179,15 +179,15 @@ def group_of_sheet(path: Path, sheet: Sheet, name: str = "") -> tuple[Group, tup
                 f"{place(path, int(row), title)}: '{cell[:40]}' is not a number. Correct it, or leave the cell blank "
                 "if it is unknown."
             )
-        left_out.append(title)
+        words[title] = tuple(cells)
     notes = tuple(
         f"{what}: {', '.join(names)}"
-        for what, names in (("columns of words left out", left_out), ("columns without a value", blank))
+        for what, names in (("columns of words left out", words), ("columns without a value", blank))
         if names
     )
     if not any(is_known(one) for one in signals):
         raise InputError(f"{path}: none of its columns holds numbers. Export the recording as numbers.")
-    return Group(name, tuple(signals), sheet.rows), notes
+    return Group(name, tuple(signals), sheet.rows, words=words), notes
 
 
 def _refuse_mixed_marks(path: Path, sheet: Sheet) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -53,6 +53,8 @@ class Group:
         step: sampling interval according to the file [s]; `None` if it has none.
         start: time of the first row according to the file [s], where `step` is given.
         step_from: where the sampling interval is written.
+        words: columns of words by name, n each, such as the state of a controller.
+        places: number of each row among those that were sampled, shape (n,); `None` where all are there.
     """
 
     name: str
@@ -62,6 +64,8 @@ class Group:
     step: float | None = None
     start: float = 0.0
     step_from: str = ""
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    places: NDArray[np.intp] | None = None
 
     def qualified(self, signal: Signal) -> str:
         """The name of a signal with that of its group."""

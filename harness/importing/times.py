@@ -54,10 +54,9 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
         signal = here[0] if here else named(path, chosen.column, groups, option="--time")[1]
         if len(signal.values) == count:
             return _of_signal(signal, chosen, "--time")
+    places = np.arange(count, dtype=np.float64) if group.places is None else group.places.astype(np.float64)
     if options.rate is not None:
-        return Times(
-            "", np.arange(count, dtype=np.float64) / options.rate, "s", 1.0, "--rate", f"{options.rate:g} Hz given"
-        )
+        return Times("", places / options.rate, "s", 1.0, "--rate", f"{options.rate:g} Hz given")
     if group.time is not None:
         signal = next(one for one in group.signals if one.name == group.time)
         return _of_signal(signal, None, signal.unit_from or "the format")
@@ -71,7 +70,7 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
         return _of_signal(matches[0], None, "its name")
     if not matches and group.step is not None:
         start = group.start
-        values = start + group.step * np.arange(count, dtype=np.float64)
+        values = start + group.step * places
         return Times("", values, "s", 1.0, f"'{group.step_from}' in the file", f"{group.step:g} s")
     rising = matches or [one for one in group.signals if _rises(one)]
     choices = tuple(

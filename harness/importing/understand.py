@@ -16,6 +16,7 @@ from harness.importing.columns import Found, find
 from harness.importing.merge import on_common_rows
 from harness.importing.physics import Evidence, evidence_of
 from harness.importing.questions import Questions
+from harness.importing.rows import only_where
 from harness.importing.scales import scales_of
 from harness.importing.signals import Group, SourceFile
 from harness.importing.times import Times, times_of
@@ -87,9 +88,9 @@ def understand(sources: Sequence[SourceFile], options: Options) -> Understood:
         InputError: a choice or the data are impossible.
     """
     path = sources[0].path
-    groups = _groups(sources)
+    groups, chosen = only_where(path, _groups(sources), options.where)
     linkage = None if options.linkage is None else parse_linkage(options.linkage)
-    read = [note for one in sources for note in one.notes]
+    read = [*(note for one in sources for note in one.notes), *chosen]
     questions = Questions(path, read)
     angle_at = questions.answer(lambda: find(path, "angle", groups, options))
     taken = None if angle_at is None else angle_at.signal

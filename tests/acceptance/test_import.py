@@ -262,3 +262,18 @@ def test_bad_options_are_told(tmp_path: Path, options: tuple[str, ...], told: st
     assert done.exit_code == 2
     assert told in " ".join(done.stderr.split())
     assert not (tmp_path / "case").exists()
+
+
+def test_only_the_rows_of_a_state(tmp_path: Path) -> None:
+    """Take the rows in which the controller ran, and say how many, in the case as well."""
+    rows = (
+        f"{t:.2f},{'RUN' if at >= 200 else 'WAIT'},{a:.6f},{s:.5f}"
+        for at, (t, a, s) in enumerate(zip(*made.truth(), strict=True))
+    )
+    log = tmp_path / "log.csv"
+    log.write_text("\n".join(("t_s,state,alpha_rad,x_m", *rows, "")))
+    done = call(log, "--where", "state=RUN", "--out", tmp_path / "case")
+    assert done.exit_code == 0, done.stderr
+    assert f"{len(made.truth()[0]) - 200} of {len(made.truth()[0])} rows have state = RUN" in done.stdout
+    assert load_case(tmp_path / "case").recordings["rec_01.csv"].time[0] == pytest.approx(2.0)
+    assert "rows have state = RUN" in (tmp_path / "case" / "rig.toml").read_text(encoding="utf-8")
