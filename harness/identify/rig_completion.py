@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from analytic.effects import CHANNEL_DELAY, ROLLING_RESISTANCE, VISCOUS_DAMPING
+from analytic.effects import CHANNEL_DELAY, ROLLING_RESISTANCE, VISCOUS_DAMPING, Effect
 from analytic.rig import SOLID_SPHERE, Rig, RigError
 from harness.errors import InputError
 from harness.identify.estimate.rig import FittedRig, fit_rig
@@ -148,11 +148,7 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
             f"α > 0 must lower the +s end. {_ANGLE_TO_CHECK}"
         )
     count = "one recording" if len(used) == 1 else f"{len(used)} recordings"
-    together = " and ".join(
-        f"{_BESIDE[effect]} {round(value, 6):.2g} ± {std:.1g}{' ' * (unit != '1')}{unit.removeprefix('1')}"
-        for effect, (value, std) in fitted.beside.items()
-        for unit in (effect.parameters[0].unit,)
-    )
+    together = " and ".join(f"{_BESIDE[effect]} {_written(effect, *each)}" for effect, each in fitted.beside.items())
     how = f"least squares on the innovations of {count}, together with {together}"
     estimates: list[RigEstimate] = []
     rig = rough.with_(level_angle=fitted.level)
@@ -169,6 +165,12 @@ def complete_rig(case: Case, first: Recording, level_angle: float | Literal["est
     if level:
         estimates.append(RigEstimate("level angle α₀", fitted.level, fitted.std[1], "rad", how))
     return CompletedRig(rig, fitted, (*estimates, *assumed))
+
+
+def _written(effect: Effect, value: float, std: float) -> str:
+    """Value and standard error of an effect's only parameter, with its unit if it has one."""
+    unit = effect.parameters[0].unit
+    return f"{round(value, 6):.2g} ± {std:.1g}" + (f" {unit}" if unit != "1" else "")
 
 
 def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> FittedRig:

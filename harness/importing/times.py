@@ -65,7 +65,8 @@ def times_of(path: Path, group: Group, groups: Sequence[Group], options: Options
         matches = [one for one in matches if _unit(one)[0] or not counts_rows(one.values)]
     if len(matches) > 1:
         with_values = [one for one in matches if _rises(one)]
-        matches = with_values if len(with_values) == 1 else [one for _, one in distinct("time", _of(group, matches))]
+        several = [(group, one) for one in matches]
+        matches = with_values if len(with_values) == 1 else [one for _, one in distinct("time", several)]
     if len(matches) == 1:
         return _of_signal(matches[0], None, "its name")
     if not matches and group.step is not None:
@@ -97,10 +98,6 @@ def _unit(signal: Signal) -> tuple[str, str]:
         return signal.unit, signal.unit_from
     seconds = signal.name.casefold() in ("second", "seconds", "sekunden", "secondes")
     return read_name(signal.name).unit or ("s" if seconds else ""), "its name"
-
-
-def _of(group: Group, signals: Sequence[Signal]) -> list[tuple[Group, Signal]]:
-    return [(group, one) for one in signals]
 
 
 def _rises(signal: Signal) -> bool:
