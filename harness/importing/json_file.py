@@ -116,6 +116,6 @@ def _cell(value: Any) -> str:
     """A value as a cell of text has it."""
     if value is None or (isinstance(value, float) and np.isnan(value)):
         return ""
-    return (
-        repr(int(value)) if isinstance(value, bool) else repr(value) if isinstance(value, int | float) else str(value)
-    )
+    if isinstance(value, int | float):  # repr of NumPy's numbers has the name of their type
+        return repr(float(value) if isinstance(value, float) else int(value))
+    return str(value)
