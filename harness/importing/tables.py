@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +88,7 @@ def read_parquet(path: Path) -> SourceFile:
         raise InputError(f"{path}: cannot be read as Parquet ({type(error).__name__}: {error}).") from None
     signals: list[Signal] = []
     left_out: list[str] = []
+    words: dict[str, tuple[str, ...]] = {}
     stamps: list[str] = []
     for name, field in zip(unique_names(table.schema.names), table.schema, strict=True):
         column = table.column(len(signals) + len(left_out))
@@ -107,9 +109,13 @@ def read_parquet(path: Path) -> SourceFile:
             signals.append(Signal(name, measured(values), unit, "its metadata" if unit else ""))
         else:
             left_out.append(name)
+            if pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_dictionary(kind):
+                words[name] = tuple("" if value is None else str(value) for value in column.to_pylist())
     if not signals or not len(signals[0].values):
         raise InputError(f"{path}: a Parquet file without columns of numbers.")
     notes = (f"columns of other types left out: {', '.join(left_out)}",) if left_out else ()
     named = [one.name for one in signals if read_name(one.name).kind == "time"]
     time = stamps[0] if len(stamps) == 1 and not named else None  # such as the index of a table in pandas
-    return SourceFile(path, sha256_of(path), "Parquet", (group_of("", signals, time=time),), notes)
+    return SourceFile(
+        path, sha256_of(path), "Parquet", (replace(group_of("", signals, time=time), words=words),), notes
+    )

@@ -46,3 +46,13 @@ def test_two_columns_of_stamps_are_asked_about(tmp_path: Path) -> None:
     frame().assign(a=steps, b=steps).to_parquet(tmp_path / "a.parquet")
     with pytest.raises(Ambiguity, match="no column is called the time"):
         understand([read_file(tmp_path / "a.parquet")], Options())
+
+
+@pytest.mark.parametrize("kind", ["string", "category"])
+def test_rows_of_a_state(tmp_path: Path, kind: str) -> None:
+    """Take the rows that a column of words chooses."""
+    state = np.where(np.arange(len(made.truth()[0])) < 300, "WAIT", "RUN")
+    table = frame().assign(t_s=made.truth()[0], state=pd.Series(state).astype(kind))
+    table.to_parquet(tmp_path / "a.parquet")
+    got = understand([read_file(tmp_path / "a.parquet")], Options(where=("state=RUN",)))
+    np.testing.assert_allclose(got.time, made.truth()[0][300:], atol=1e-9)
