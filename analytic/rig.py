@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, fields, replace
 
 SOLID_SPHERE = 0.4  # J / (m R²) of a homogeneous ball
+HOLLOW_SPHERE = 2.0 / 3.0  # the same of a thin shell
 
 
 class RigError(ValueError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -247,7 +247,7 @@ def _checked(read: Case, tell: Progress) -> Check:
     from harness.identify.design.detection import detection_limits
     from harness.identify.design.excitation import envelope_of
     from harness.identify.pose import problem_of
-    from harness.identify.rig_completion import NotRolling
+    from harness.identify.rig_completion import NotRolling, contradicted
     from harness.identify.validation.at_rest import against_rest
 
     tell("drives and rig", share=0.1)
@@ -255,6 +255,8 @@ def _checked(read: Case, tell: Progress) -> Check:
         problem = problem_of(read)
     except NotRolling as error:
         return Check(read, (f"{error}.",))
+    if (warning := contradicted(read.rig, problem.rig)) is not None:
+        read = replace(read, findings=(*read.findings, warning))
     found = detection_limits(problem, Stage(tell, 0.2, 0.75, 3.0))
     tell("errors over 1 s", share=0.75)
     ahead = against_rest(problem, found.base)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from analytic.effects import CHANNEL_DELAY, ROLLING_RESISTANCE, VISCOUS_DAMPING, Effect
-from analytic.rig import SOLID_SPHERE, Rig, RigError
+from analytic.rig import HOLLOW_SPHERE, SOLID_SPHERE, Rig, RigError
 from harness.errors import InputError
 from harness.identify.estimate.rig import FittedRig, fit_rig
 from harness.identify.problem.problem import Problem
@@ -225,7 +225,7 @@ def rig_of_ratio(known: KnownRig, rig: Rig, ratio: float, std: float = 0.0) -> t
 
 
 def contradicted(known: KnownRig, rig: Rig) -> DataFinding | None:
-    """A warning where a completed rig has another inertia [kg m²] or gravity [m/s²] than the rig file gives.
+    """A warning where a completed rig has another inertia [kg m²] or gravity [m/s²] than given, or no ball's inertia.
 
     Args:
         known: what the rig file says.
@@ -238,16 +238,24 @@ def contradicted(known: KnownRig, rig: Rig) -> DataFinding | None:
             f"without friction would, and no ball that rolls does: {rig.gravity:.3g} m/s² stands for gravity. "
             f"{_ANGLE_TO_CHECK}."
         )
-    elif known.inertia is not None and not math.isclose(known.inertia, rig.inertia, rel_tol=_SAME):
-        given = [rig.with_(inertia=known.inertia, rolling_radius=share * rig.radius) for share in _RADIUS_RATIO_RANGE]
-        least, most = sorted(one.rolling_ratio for one in given)
+    else:
+        usual = [share * rig.mass * rig.radius**2 for share in (SOLID_SPHERE, HOLLOW_SPHERE)]
+        inertias = usual if known.inertia is None else [known.inertia]
+        balls = [rig.with_(inertia=one, rolling_radius=r * rig.radius) for one in inertias for r in _RADIUS_RATIO_RANGE]
+        ratios = [one.rolling_ratio for one in balls]
+        least, most = min(ratios), max(ratios)
+        if known.inertia is None:
+            possible = least <= ratio <= most or math.isclose(ratio, most, rel_tol=_SAME)
+        else:
+            possible = math.isclose(known.inertia, rig.inertia, rel_tol=_SAME)
+        if possible:
+            return None
+        ball = "a ball, solid or hollow," if known.inertia is None else "a ball of the given inertia"
         text = (
-            f"the recordings show a rolling ratio K of {ratio:.2g}, but a ball of the given inertia has {least:.2g} to "
+            f"the recordings show a rolling ratio K of {ratio:.2g}, but {ball} has {least:.2g} to "
             f"{most:.2g} on any track: {rig.inertia:.2g} kg m² stands for the inertia. {_ANGLE_TO_CHECK}; a ball in "
             "water has a smaller K, too."
         )
-    else:
-        return None
     return DataFinding("warning", "rig.toml", text, "rig-contradicted")
 
 

@@ -12,6 +12,7 @@ import pytest
 import harness as package
 from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
+from tests.recording.in_water import water
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +85,13 @@ def test_a_reversed_sign_that_the_rig_alone_shows_is_not_fit(harness: Harness, t
     assert "the sign of angle or position is reversed" in reason
     assert json.loads((out / "check.json").read_text(encoding="utf-8"))["reasons"] == [reason]
     assert "the sign of angle or position is reversed" in (out / "check.html").read_text(encoding="utf-8")
+
+
+def test_a_ratio_that_no_ball_has_is_warned_of(harness: Harness, tmp_path: Path) -> None:
+    """Say in the check, too, that the ball accelerates as none does on any track, as in water or behind a crank."""
+    done = harness("check", water(tmp_path / "water", ratio=0.09, damping=3.0, delay=0.0))
+    assert "but a ball, solid or hollow, has 0.12 to 0.71 on any track" in " ".join(done.out.split())
+    assert "[rig-contradicted]" in done.out
 
 
 def test_too_few_positions_are_not_fit(harness: Harness, tmp_path: Path) -> None:

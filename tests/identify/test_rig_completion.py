@@ -57,7 +57,16 @@ def test_a_given_value_that_no_ball_rolls_with_is_told() -> None:
     assert fast is not None
     assert "1.2 times as much as a mass that slides without friction" in fast.text
     assert contradicted(ball, rig_of_ratio(ball, rough_rig(ball), 0.4)[0]) is None
-    assert contradicted(KnownRig(gravity=9.81), rig_of_ratio(KnownRig(), rough_rig(KnownRig()), 0.9)[0]) is None
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(0.05, True), (0.12, False), (0.5, False), (0.714, False), (0.9, True)])
+def test_a_ratio_that_no_ball_has_is_told(ratio: float, told: bool) -> None:
+    """Say so where nothing of the ball is known: 0.119 is hollow, at r = 0.3 R, and 5/7 solid, on a flat rail."""
+    unknown = KnownRig(gravity=9.81)
+    warning = contradicted(unknown, rig_of_ratio(unknown, rough_rig(unknown), ratio)[0])
+    assert (warning is not None) == told
+    if warning is not None:
+        assert "but a ball, solid or hollow, has 0.12 to 0.71 on any track" in warning.text
 
 
 @pytest.mark.parametrize("share", [0.999, 0.99999, 1.0])
