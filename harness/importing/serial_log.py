@@ -6,7 +6,7 @@ That is what the plotter of the Arduino IDE draws, and what its monitor saves: `
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from harness.importing.grid import FEWEST_ROWS, Rows
@@ -20,6 +20,7 @@ _PAIR = re.compile(rf"\s*([^\W\d][^:=]*?)\s*[:=]\s*({_VALUE})\s*([^\s\d:=]*)\s*"
 _PAIR_AND_BLANK = re.compile(
     rf"\s*([^\W\d][^\s:=]*)\s*[:=]\s*({_VALUE})(?=\s|$)(?:[ \t]+((?!\S*[:=])[^\s\d]\S*)(?=\s|$))?", re.IGNORECASE
 )
+_LOOKED_AT = 400  # lines, to see what a file is
 _FEWEST_LABELS = 2  # in a line: one alone is a preamble's entry as often
 RECEIVED = "received"
 """Name of the times that a monitor writes."""
@@ -30,10 +31,10 @@ Clock = Mapping[int, str]
 
 def without_clock(lines: Sequence[str]) -> tuple[list[str], Clock]:
     """The lines without a monitor's clock time before them, and these; none where most lines have none."""
-    found = {number: _CLOCK.fullmatch(line.rstrip("\r")) for number, line in enumerate(lines, start=1) if line.strip()}
-    clocks = {number: one for number, one in found.items() if one and is_stamp(one[1])}
-    if 2 * len(clocks) <= len(found):
+    filled = [(number, line.rstrip("\r")) for number, line in enumerate(lines, start=1) if line.strip()]
+    if not _mostly(filled, lambda line: _clocked(line) is not None):
         return list(lines), {}
+    clocks = {number: one for number, line in filled if (one := _clocked(line))}
     bare = [clocks[number][2] if number in clocks else line for number, line in enumerate(lines, start=1)]
     return bare, {number: one[1] for number, one in clocks.items()}
 
@@ -58,9 +59,10 @@ def labelled_rows(lines: Sequence[str]) -> tuple[Rows, tuple[str, ...]] | None:
     are left out.
     """
     filled = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
-    pairs = [(number, _pairs(line)) for number, line in filled]
-    told = [(number, one) for number, one in pairs if one is not None]
-    if len(told) < FEWEST_ROWS or 2 * len(told) <= len(filled):
+    if not _mostly(filled, lambda line: _pairs(line) is not None):
+        return None
+    told = [(number, one) for number, line in filled if (one := _pairs(line)) is not None]
+    if len(told) < FEWEST_ROWS:
         return None
     units: dict[str, str] = {}
     for _, line_pairs in told:
@@ -71,6 +73,18 @@ def labelled_rows(lines: Sequence[str]) -> tuple[Rows, tuple[str, ...]] | None:
     others = len(filled) - len(told)
     notes = (f"{others} line{'s' if others > 1 else ''} without labels left out",) if others else ()
     return [(told[0][0], names), *rows], notes
+
+
+def _mostly(filled: Sequence[tuple[int, str]], kind: Callable[[str], bool]) -> bool:
+    """Whether most of the first lines are of a kind; a long table is not looked through for what it is not."""
+    first = filled[:_LOOKED_AT]
+    return 2 * sum(kind(line) for _, line in first) > len(first)
+
+
+def _clocked(line: str) -> re.Match[str] | None:
+    """Clock time and text of a line that a monitor saved."""
+    found = _CLOCK.fullmatch(line)
+    return found if found and is_stamp(found[1]) else None
 
 
 def _pairs(line: str) -> dict[str, tuple[str, str]] | None:
