@@ -11,9 +11,9 @@ import numpy as np
 from harness.errors import InputError
 from harness.importing.choices import NONE, Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.distinct import distinct, known_values
-from harness.importing.signals import Group, Signal, is_known
+from harness.importing.signals import Group, Signal, counts_rows, is_known
 from harness.importing.words import VOLTS, Kind, Role, factor_of, is_input, read_name, unit_key
-from harness.recording.findings import quoted
+from harness.recording.findings import abbreviated, quoted
 
 MOST_CHOICES = 12
 
@@ -166,11 +166,8 @@ def named(path: Path, text: str, groups: Sequence[Group], *, option: str) -> tup
         return renamed[0]
     if text.isdecimal() and 1 <= int(text) <= len(every):
         return every[int(text) - 1]
-    names = quoted([group.qualified(signal) for group, signal in every][:20])
-    more = f" and {len(every) - 20} more" if len(every) > 20 else ""
-    raise InputError(
-        f"{path}: {option}: there is no column '{text}'. It has {names}{more}; a number counts them from 1."
-    )
+    names = abbreviated([f"'{group.qualified(signal)}'" for group, signal in every], most=20)
+    raise InputError(f"{path}: {option}: there is no column '{text}'. It has {names}; a number counts them from 1.")
 
 
 def _choices(role: Role, signals: Sequence[tuple[Group, Signal]]) -> tuple[Choice, ...]:
@@ -191,5 +188,5 @@ def range_of(signal: Signal) -> str:
 
 def _varies(signal: Signal) -> bool:
     """Whether a column's values change, by more than a count of the rows does."""
-    steps = np.diff(known_values(signal))
-    return len(steps) > 0 and bool(np.any(steps != 0.0)) and not bool(np.all(steps == 1.0))
+    known = known_values(signal)
+    return len(np.unique(known)) > 1 and not counts_rows(known)

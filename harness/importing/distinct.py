@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.importing.signals import Group, Signal, is_known
-from harness.importing.words import UNITS, Role, factor_of, read_name
+from harness.importing.signals import Group, Signal, is_known, unit_of
+from harness.importing.words import UNITS, Role, factor_of
 
 _FLAG = 2  # values: a column that takes no more says whether something is so, as `pos_valid` does
 _ROUNDED = 2e-3  # of the RMS: columns that differ by less are rounded differently, and no different quantities
@@ -23,8 +23,8 @@ def distinct(role: Role, signals: Sequence[tuple[Group, Signal]]) -> list[tuple[
     """
     measured = [one for one in signals if not is_known(one[1]) or len(np.unique(known_values(one[1]))) > _FLAG]
     measured = measured or list(signals)
-    if any(factor_of(role, _unit(signal)) for _, signal in measured):
-        measured = [one for one in measured if not _unit(one[1]) or factor_of(role, _unit(one[1]))]
+    if any(factor_of(role, unit_of(signal)[0]) for _, signal in measured):
+        measured = [one for one in measured if not (unit := unit_of(one[1])[0]) or factor_of(role, unit)]
     kept: list[tuple[Group, Signal]] = []
     for one in sorted(measured, key=lambda one: _preference(role, one[1])):
         if not any(_same(role, one[1], other[1]) for other in kept):
@@ -40,16 +40,13 @@ def known_values(signal: Signal) -> FloatArray:
 def _preference(role: Role, signal: Signal) -> tuple[bool, float]:
     known = known_values(signal)
     begins = float(abs(known[0])) if role == "time" and len(known) else 0.0
-    return not _unit(signal), begins
-
-
-def _unit(signal: Signal) -> str:
-    return signal.unit or read_name(signal.name).unit
+    return not unit_of(signal)[0], begins
 
 
 def _factors(role: Role, signal: Signal) -> set[float]:
     """Factors to SI that a signal's readings may have: that of its unit, or of all where it says none."""
-    factor = factor_of(role, _unit(signal)) if _unit(signal) else None
+    unit, _ = unit_of(signal)
+    factor = factor_of(role, unit) if unit else None
     return set(UNITS[role].values()) if factor is None else {factor}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ def read_json(path: Path) -> SourceFile:
             '[{"t": 0.0, "angle": 0.01, "x": 0.2}, …], or lists of the same length by name.'
         )
     if len(groups) == 1:
-        groups = [Group("", groups[0].signals, groups[0].rows)]
+        groups = [replace(groups[0], name="")]
     return SourceFile(path, source.sha256, kind, tuple(groups), tuple(notes))
 
 

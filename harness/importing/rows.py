@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from analytic.naming import did_you_mean
 from harness.errors import InputError
-from harness.importing.cells import is_number
-from harness.importing.signals import Group
-from harness.recording.findings import quoted
+from harness.importing.cells import numbers
+from harness.importing.distinct import known_values
+from harness.importing.signals import Group, Signal
+from harness.recording.findings import abbreviated, quoted
 
 _MOST_SHOWN = 12  # values of a column in a message
+_SINGLE = float(np.finfo(np.float32).eps)  # relative rounding of a column in single precision
 
 
 def only_where(path: Path, groups: Sequence[Group], where: Sequence[str]) -> tuple[tuple[Group, ...], tuple[str, ...]]:
@@ -44,30 +46,36 @@ def only_where(path: Path, groups: Sequence[Group], where: Sequence[str]) -> tup
             raise InputError(f"{path}: --where: there is no column '{column}'.{hint}")
         kept = sum(int(mask.sum()) for mask in masks if mask is not None)
         if not kept:
-            seen = dict.fromkeys(value for group in made for value in _cells(group, column) or ())
-            raise InputError(
-                f"{path}: --where: no row has {column} = {' or '.join(values)}; it has {quoted([*seen][:_MOST_SHOWN])}."
-            )
+            seen = dict.fromkeys(value for group in made for value in _texts(group, column))
+            has = abbreviated([f"'{value}'" for value in seen], most=_MOST_SHOWN)
+            raise InputError(f"{path}: --where: no row has {column} = {' or '.join(values)}; it has {has}.")
         every = sum(len(mask) for mask in masks if mask is not None)
         notes.append(f"{kept} of {every} rows have {column} = {' or '.join(values)}; the others are left out")
         made = tuple(group if mask is None else _only(group, mask) for group, mask in zip(made, masks, strict=True))
     return made, tuple(notes)
 
 
-def _cells(group: Group, column: str) -> list[str] | None:
-    """The column as text, `None` if the group does not have it."""
-    if column in group.words:
-        return list(group.words[column])
-    signal = next((one for one in group.signals if column in (one.name, group.qualified(one))), None)
-    return None if signal is None else [f"{value:g}" for value in signal.values]
+def _signal(group: Group, column: str) -> Signal | None:
+    return next((one for one in group.signals if column in (one.name, group.qualified(one))), None)
+
+
+def _texts(group: Group, column: str) -> Sequence[str]:
+    """The column's values as a message shows them, none if the group does not have it."""
+    signal = _signal(group, column)
+    return group.words.get(column, ()) if signal is None else [f"{value:g}" for value in known_values(signal)]
 
 
 def _mask(group: Group, column: str, values: Sequence[str]) -> NDArray[np.bool_] | None:
-    cells = _cells(group, column)
-    if cells is None:
+    """Which rows have one of the values, shape (n,); `None` if the group does not have the column."""
+    if column in group.words:
+        same = {value.casefold() for value in values}
+        return np.array([cell.casefold() in same for cell in group.words[column]])
+    signal = _signal(group, column)
+    if signal is None:
         return None
-    same = {f"{float(value.replace(',', '.')):g}" if is_number(value) else value.casefold() for value in values}
-    return np.array([cell.casefold() in same for cell in cells])
+    asked = [number for value in values if (number := numbers([value])) is not None]
+    matches = np.isclose(signal.values, np.reshape(asked, (-1, 1)), rtol=_SINGLE, atol=0.0)
+    return np.asarray(matches.any(axis=0), dtype=np.bool_)
 
 
 def _only(group: Group, mask: NDArray[np.bool_]) -> Group:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
+from harness.importing.words import read_name
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,11 @@ class Signal:
 def is_known(signal: Signal) -> bool:
     """Whether any of its values is known."""
     return bool(np.isfinite(signal.values).any())
+
+
+def unit_of(signal: Signal) -> tuple[str, str]:
+    """The unit as written, empty if nothing says it, and where it is written."""
+    return (signal.unit, signal.unit_from) if signal.unit else (read_name(signal.name).unit, "its name")
 
 
 def counts_rows(values: FloatArray) -> bool:

@@ -57,7 +57,7 @@ def read_workbook(path: Path) -> SourceFile:
     if not groups:
         raise InputError(f"{path}: no sheet has a table of numbers. Write one row per reading.")
     if len(groups) == 1:
-        groups = [Group("", groups[0].signals, groups[0].rows)]
+        groups = [replace(groups[0], name="")]
     return SourceFile(path, sha256_of(path), "spreadsheet", tuple(groups), tuple(notes))
 
 

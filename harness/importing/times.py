@@ -12,7 +12,7 @@ from analytic.motion import FloatArray
 from harness.importing.choices import Ambiguity, Choice, Chosen, Options, parse_chosen
 from harness.importing.columns import named, range_of
 from harness.importing.distinct import distinct
-from harness.importing.signals import Group, Signal, counts_rows, is_known
+from harness.importing.signals import Group, Signal, counts_rows, is_known, unit_of
 from harness.importing.words import factor_of, read_name
 
 
@@ -93,11 +93,10 @@ def _of_signal(signal: Signal, chosen: Chosen | None, evidence: str) -> Times:
 
 
 def _unit(signal: Signal) -> tuple[str, str]:
-    """The unit of a time as written, empty if nothing says it, and where it is written."""
-    if signal.unit:
-        return signal.unit, signal.unit_from
+    """The unit of a time and where it is written, also where its name is no symbol but `seconds`."""
+    unit, source = unit_of(signal)
     seconds = signal.name.casefold() in ("second", "seconds", "sekunden", "secondes")
-    return read_name(signal.name).unit or ("s" if seconds else ""), "its name"
+    return unit or ("s" if seconds else ""), source
 
 
 def _rises(signal: Signal) -> bool:

@@ -14,8 +14,8 @@ from harness.errors import InputError
 from harness.importing.choices import Ambiguity, Choice, is_reading
 from harness.importing.columns import Found
 from harness.importing.physics import Evidence, is_usual
-from harness.importing.signals import counts_rows
-from harness.importing.words import ROLES, UNITS, VOLTS, Role, factor_of, is_input, read_name, unit_key
+from harness.importing.signals import counts_rows, unit_of
+from harness.importing.words import ROLES, UNITS, VOLTS, Role, factor_of, is_input, unit_key
 from harness.recording.columns import QUANTITIES
 
 CANDIDATES: Mapping[Role, tuple[str, ...]] = {
@@ -72,7 +72,7 @@ def scale_of(path: Path, role: Role, found: Found) -> Scale | None:
         InputError: the calibration is for another unit than the file has.
     """
     signal, chosen = found.signal, found.chosen
-    unit, source = (signal.unit, signal.unit_from) if signal.unit else (read_name(signal.name).unit, "its name")
+    unit, source = unit_of(signal)
     if chosen is not None and chosen.unit:
         if chosen.per and unit and unit_key(chosen.per) in VOLTS and unit_key(unit) in VOLTS:
             wanted, had = VOLTS[unit_key(chosen.per)], VOLTS[unit_key(unit)]

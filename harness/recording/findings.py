@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-MAX_PLACES = 5  # rows named in one message
+MAX_PLACES = 5  # rows or recordings named in one message
 
 STOPPING: Mapping[str, str] = {
     "angle-sign": "the sign of angle or position is reversed",
@@ -75,6 +75,12 @@ def rows_text(rows: Iterable[int]) -> str:
     shown = [f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs[:MAX_PLACES]]
     more = f" and {len(runs) - MAX_PLACES} more places" if len(runs) > MAX_PLACES else ""
     return f"row{'s' if len(numbers) > 1 else ''} {', '.join(shown)}{more}"
+
+
+def abbreviated(texts: Sequence[str], most: int = MAX_PLACES) -> str:
+    """`a, b, c`, or the first `most` and how many there are more."""
+    more = f" and {len(texts) - most} more" if len(texts) > most else ""
+    return ", ".join(texts[:most]) + more
 
 
 def quoted(names: Sequence[str]) -> str:

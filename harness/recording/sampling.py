@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.recording.columns import QuantityName
-from harness.recording.findings import MAX_PLACES, DataFinding, place, rows_text
+from harness.recording.findings import DataFinding, abbreviated, place, rows_text
 
 MIN_SAMPLES = 20
 MIN_DURATION = 0.5  # [s]
@@ -124,11 +124,8 @@ def sampling_findings(path: Path, time: FloatArray, rows: IntArray) -> Iterator[
     median = float(np.median(steps))
     gaps = np.flatnonzero(steps > GAP * median)
     if len(gaps):
-        places = ", ".join(f"{steps[i]:.3g} s after row {rows[i]} (t = {time[i]:.4g} s)" for i in gaps[:MAX_PLACES])
-        more = f" and {len(gaps) - MAX_PLACES} more" if len(gaps) > MAX_PLACES else ""
-        text = (
-            f"samples are missing: {places}{more}; the median step is {median:.3g} s. The beam angle in these gaps is "
-        )
+        places = abbreviated([f"{steps[i]:.3g} s after row {rows[i]} (t = {time[i]:.4g} s)" for i in gaps])
+        text = f"samples are missing: {places}; the median step is {median:.3g} s. The beam angle in these gaps is "
         yield DataFinding("warning", path.name, text + "unknown; split the recording at long gaps.", "gaps")
     even = steps[steps <= GAP * median]
     if np.max(np.abs(even - median)) > MAX_JITTER * median:

@@ -19,7 +19,7 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.recording.commanded import answers_readings
-from harness.recording.findings import MAX_PLACES, DataFinding
+from harness.recording.findings import DataFinding, abbreviated
 from harness.recording.known_rig import Sensors
 from harness.recording.plausibility import STANDARD_GRAVITY, USUAL_SLOPE
 from harness.recording.recording import Recording
@@ -63,20 +63,14 @@ def slow_angle_findings(recordings: Mapping[str, Recording], sensors: Sensors) -
     stopped = {name: one for name, one in warned.items() if one.beyond(_STOPPED)}
     others = {name: one for name, one in warned.items() if name not in stopped}
     if stopped:
-        yield DataFinding("warning", _names(stopped), f"{_told(recordings, stopped)}.", "undersampled-angle")
+        yield DataFinding("warning", abbreviated(list(stopped)), f"{_told(recordings, stopped)}.", "undersampled-angle")
     if others:
         text = (
             f"{_told(recordings, others)}. Until then, do not rely on what tells a delay from a lag or a hold, nor on "
             "a force that grows with the position, such as a bending beam's: it may be the centrifugal one of turns "
             "that were not seen."
         )
-        yield DataFinding("warning", _names(others), text, "slow-angle")
-
-
-def _names(found: Mapping[str, Between]) -> str:
-    names = list(found)
-    more = f" and {len(names) - MAX_PLACES} more" if len(names) > MAX_PLACES else ""
-    return ", ".join(names[:MAX_PLACES]) + more
+        yield DataFinding("warning", abbreviated(list(others)), text, "slow-angle")
 
 
 def _told(recordings: Mapping[str, Recording], found: Mapping[str, Between]) -> str:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from harness.errors import InputError
@@ -66,3 +69,39 @@ def test_rows_that_are_not_there(tmp_path: Path, where: str, told: str) -> None:
     """Refuse a column or a value that no row has, with those that there are."""
     with pytest.raises(InputError, match=told):
         taken(log(tmp_path / "a.csv"), where)
+
+
+def frame() -> pd.DataFrame:
+    """A log with a state and a counter of seven digits."""
+    time, angle, position = made.truth()
+    at = np.arange(len(time))
+    running = at >= 300
+    return pd.DataFrame(
+        {
+            "t_s": time.round(2),
+            "alpha_rad": angle,
+            "x_m": position,
+            "state": np.where(running, "RUN", "WAIT"),
+            "count": 1_234_567 + running,
+        }
+    )
+
+
+def as_json(file: Path) -> Path:
+    """Records of JSON below a name."""
+    file.write_text(json.dumps({"log": frame().to_dict("records")}))
+    return file
+
+
+def as_sheet(file: Path) -> Path:
+    """The only sheet of a workbook."""
+    frame().to_excel(file, index=False)
+    return file
+
+
+@pytest.mark.parametrize("where", ["state=RUN", "count=1234568"])
+@pytest.mark.parametrize(("name", "write"), [("a.json", as_json), ("a.xlsx", as_sheet)])
+def test_rows_of_the_only_table_of_a_file(tmp_path: Path, name: str, write: Callable[[Path], Path], where: str) -> None:
+    """Choose by words or by every digit of a number where the table has a name that nobody needs."""
+    got = taken(write(tmp_path / name), where)
+    np.testing.assert_allclose(got.time, made.truth()[0][300:], atol=1e-9)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from harness.engines.catalogue import ENGINES
 from harness.formatting import listed
+from harness.recording.findings import abbreviated
 from harness.report.page import Section
 from harness.report.palette import label_of
 from harness.report.scenes import BUILT_IN, scenes_in_words
@@ -24,7 +25,6 @@ def section(subject: Subject) -> Section | None:
     """Factors, design, recordings, command."""
     spec, plan = subject.plan.spec, subject.plan
     names = [f"{spec.case_names[number]}: {name}" for number, name in plan.recordings]
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
     return Section(
         "inputs",
         "What was swept",
@@ -34,7 +34,7 @@ def section(subject: Subject) -> Section | None:
             "table": _factors(subject),
             "design": _design(spec),
             "scenes": _scenes(subject),
-            "recordings": ", ".join(names[:_MOST]) + more,
+            "recordings": abbreviated(names, _MOST),
             "command": subject.command,
         },
     )
