@@ -20,7 +20,7 @@ from harness.preparation.recordings import MIN_POSITIONS, observe
 from harness.recording import Case, KnownRig, Recording
 from harness.recording.findings import DataFinding
 
-_USUAL = (0.3, 0.72)  # K of balls, solid or hollow, on tracks from a deep groove to a flat rail
+_USUAL = (0.3, 0.72)  # K of solid balls from a groove with r = 0.41 R to a flat rail
 _OTHER = 4.0  # standard errors by which a K is another: normal ones are exceeded once in 16,000
 _MIN_ROLLING_RATIO = 0.05  # K of a solid ball at r = 0.15 R; lower values indicate wrong units or signs
 _RADIUS_RATIO_RANGE = (0.3, 1.0)  # of r/R: below, the ball sinks into the groove; 1 is a flat rail
@@ -184,8 +184,7 @@ def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> Fitte
     if not ratio or known:
         return plain
     damped = fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=True)
-    price = problem.settings.keep + math.log(problem.readings)
-    better = damped.deviance < plain.deviance - price
+    better = damped.deviance < plain.deviance - problem.least_gain
     another = damped.ratio - plain.ratio > _OTHER * plain.std[0]
     rolls = plain.ratio < _MIN_ROLLING_RATIO <= damped.ratio
     return damped if better and (another or rolls) else plain

@@ -44,7 +44,7 @@ def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     in both, process noise covers what either explains.
     """
     smoothed, held = (problem.beginning(ASKED) for problem in (smoothed, held))
-    price = smoothed.settings.keep + math.log(smoothed.readings)
+    price = smoothed.least_gain
     lowest, of_held = math.inf, math.inf
     for names in _BESIDE_SERVO:
         lowest = min(lowest, lowest_deviance(smoothed, (*names, ANGLE_SERVO.name)))
@@ -64,7 +64,7 @@ def told_noise_share(problem: Problem) -> float:
     if dry or all(one.drive.sensor.rounded for one in problem.recordings):
         return 1.0
     part = problem.beginning(ASKED)
-    price = problem.settings.keep + math.log(part.readings)
+    price = part.least_gain
 
     deviances = {share: lowest_deviance(part.quieter(share), _DRY) for share in (1.0, _FIRST)}
     if deviances[_FIRST] >= deviances[1.0]:

@@ -9,8 +9,6 @@ ball, which has followed the beam between the readings too, tells both apart.
 
 from __future__ import annotations
 
-import math
-
 from analytic.effects import CHANNEL_DELAY
 from harness.identify.estimate.angle_noise import ASKED, SAME, lowest_deviance
 from harness.identify.problem.problem import Problem
@@ -33,7 +31,7 @@ def with_fast_beam(problem: Problem) -> Problem:
     if not noisy or max(one.noise for one in sensors) < _FELT:
         return problem
     part = problem.beginning(ASKED)
-    price = problem.settings.keep + math.log(part.readings)
+    price = part.least_gain
     share = _told(part, [part.quieter(share) for share in _SHARES], _SHARES, price)
     if share == 1.0:
         return problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
@@ -308,6 +309,11 @@ class Problem:
     def readings(self) -> int:
         """Number of readings n."""
         return sum(int(np.isfinite(recording.reading).sum()) for recording in self.recordings)
+
+    @property
+    def least_gain(self) -> float:
+        """Decrease of the deviance [1] from which on one more parameter is kept: its price in the BIC and `keep`."""
+        return self.settings.keep + math.log(self.readings)
 
     @property
     def steps(self) -> int:
