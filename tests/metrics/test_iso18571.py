@@ -149,13 +149,13 @@ def test_even_grid_keeps_even_samples_and_fills_blanks():
 
 
 def test_long_recording_takes_milliseconds():
-    """Rate 16 s at 100 Hz in under 50 ms once compiled."""
+    """Rate 16 s at 100 Hz in under 50 ms of processor time once compiled."""
     measured, model = random_pair(np.random.default_rng(1), 1600)
     rate(measured, model)
 
     def seconds() -> float:
-        begin = time.perf_counter()
+        begin = time.process_time()
         rate(measured, model)
-        return time.perf_counter() - begin
+        return time.process_time() - begin
 
     assert median(seconds() for _ in range(5)) < 0.05
