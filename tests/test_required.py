@@ -45,6 +45,7 @@ def summary(folder: Path, value: str | None) -> list[str]:
     return done.stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_every_skip_fails_by_name_except_those_listed(tmp_path: Path) -> None:
     """Say of each test and module that did not run what it lacks, and fail for it."""
     lines = summary(tmp_path, "1")
@@ -56,6 +57,7 @@ def test_every_skip_fails_by_name_except_those_listed(tmp_path: Path) -> None:
     assert sum(line.startswith("SKIPPED") for line in lines) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [None, "0"])
 def test_on_other_machines_they_are_skipped(tmp_path: Path, value: str | None) -> None:
     """Skip and say why, as long as nobody asks for everything."""

@@ -21,6 +21,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_short_case(tmp_path_factory.mktemp("short"))
 
 
+@pytest.mark.slow
 def test_a_good_case_is_fit_and_its_effects_are_listed(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Print the answer and the limits, write page and record, and end with 0."""
     done = harness("check", case, "--out", tmp_path / "out")
@@ -36,6 +37,7 @@ def test_a_good_case_is_fit_and_its_effects_are_listed(harness: Harness, case: P
     assert {"effect", "limit", "limit_explained", "typical", "unit", "alike"} <= set(kept["effects"][0])
 
 
+@pytest.mark.slow
 def test_json_is_one_document_and_quiet_a_line(harness: Harness, case: Path) -> None:
     """Print JSON alone on stdout, and with --quiet the answer alone and no progress."""
     assert json.loads(harness("check", case, "--json").out)["fit"] is True
@@ -87,6 +89,7 @@ def test_a_reversed_sign_that_the_rig_alone_shows_is_not_fit(harness: Harness, t
     assert "the sign of angle or position is reversed" in (out / "check.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_ratio_that_no_ball_has_is_warned_of(harness: Harness, tmp_path: Path) -> None:
     """Say in the check, too, that the ball accelerates as none does on any track, as in water or behind a crank."""
     done = harness("check", water(tmp_path / "water", ratio=0.09, damping=3.0, delay=0.0))

@@ -16,6 +16,8 @@ from harness.engines.pybullet import PyBullet
 from harness.simulator import Experiment, write_case
 from tests.acceptance.conftest import Harness, Outcome
 
+pytestmark = pytest.mark.slow
+
 HIDDEN = "rolling_resistance"
 
 

@@ -26,6 +26,7 @@ from tests.acceptance.conftest import Harness
 from tests.acceptance.short import write_short_case
 
 
+@pytest.mark.slow
 def test_this_machine_is_examined(harness: Harness) -> None:
     """Load and run the engines, list versions, and end with 0 where the tests themselves run."""
     done = harness("doctor", "--json")
@@ -41,6 +42,7 @@ def test_this_machine_is_examined(harness: Harness) -> None:
     assert found["offscreen rendering"]["text"].endswith(kind)
 
 
+@pytest.mark.slow
 def test_an_engine_that_does_not_load_is_told(harness: Harness, monkeypatch: pytest.MonkeyPatch) -> None:
     """End with 1, name the engine and say what to do."""
     failed = Finding("engine mujoco", False, "cannot be loaded", "run `make setup`")
@@ -51,6 +53,7 @@ def test_an_engine_that_does_not_load_is_told(harness: Harness, monkeypatch: pyt
     assert "make setup" in done.out
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_drawn_doctor_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     """Name the kind of context that failed, and stay fit: only videos need one."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
@@ -86,6 +89,7 @@ def test_what_is_optional_does_not_fail() -> None:
     assert "engine dart" in made.sentence
 
 
+@pytest.mark.slow
 def test_a_variable_that_keeps_mujoco_out_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Say what to do about MUJOCO_GL, and not to install what is installed."""
     monkeypatch.setenv("MUJOCO_GL", "bogus")
@@ -190,6 +194,7 @@ def test_every_command_that_makes_something_can_be_quiet(name: str) -> None:
     assert any("--quiet" in one.opts for one in main.commands[name].params)
 
 
+@pytest.mark.slow
 def test_a_quiet_run_prints_the_answer_and_the_report(harness: Harness, tmp_path: Path) -> None:
     """Print two lines and no progress, and write the same files."""
     case = write_short_case(tmp_path / "case")

@@ -65,6 +65,7 @@ def long_recording(folder: Path, rate: float) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_a_long_diagnosis_asks(tmp_path: Path) -> None:
     """Refuse more readings than ten minutes are enough for, at a rate at which each is used, and write nothing."""
     with pytest.raises(InputError, match=r"would take some 1\d minutes.*--yes"):
@@ -95,6 +96,7 @@ def test_consent_is_enough(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         compare(case, settings=small, yes=True)
 
 
+@pytest.mark.slow
 def test_what_memory_does_not_hold_asks(harness: Harness, tmp_path: Path) -> None:
     """Refuse to compare a long recording in steps so small that memory does not hold them."""
     out = tmp_path / "out"

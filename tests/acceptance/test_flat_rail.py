@@ -27,6 +27,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_run_compares_the_engines_on_a_flat_rail(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Exit with 0, have both engines within micrometres of CAM, and claim nothing twice for r = R."""
     done = harness("run", case, "--window", 1, "--out", tmp_path / "out")

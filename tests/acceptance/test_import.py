@@ -29,6 +29,7 @@ def import_of(name: str, folder: Path, *more: object) -> Result:
     return call(write(folder / name), "--out", folder / "case", *options, *more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", made.FILES)
 def test_a_file_becomes_a_case(tmp_path: Path, name: str) -> None:
     """Make a case in one command whose recording is the simulated one, in SI units."""
@@ -55,6 +56,7 @@ def documented() -> list[list[str]]:
     return [shlex.split(line, comments=True)[2:] for line in lines]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", documented(), ids=lambda words: words[0])
 def test_the_documented_commands_work(tmp_path: Path, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Run every example of the page as it stands there, and get the simulated recording."""

@@ -17,6 +17,8 @@ from harness.recording import load_case
 from tests.acceptance.test_import import call
 from tests.importing import made
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     ("name", "answers", "asked_for", "typed"),

@@ -45,6 +45,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_check_scene_tells_what_was_measured(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Exit with 0, and give the rig's quantities as measured in both scenes; write a sealed record."""
     done = harness("check-scene", case, "--json", "--out", tmp_path / "out")
@@ -77,6 +78,7 @@ def test_check_scene_takes_a_file_alone(harness: Harness, case: Path) -> None:
     assert "[scene]" in refused.err
 
 
+@pytest.mark.slow
 def test_a_sweep_varies_what_a_scene_has_to_set(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Run the user's scene with each friction and name its file; refuse what the file fixes, and say where it is."""
     spec = tmp_path / "plank.toml"

@@ -11,6 +11,8 @@ import pytest
 
 from tests.acceptance.short import write_short_case
 
+pytestmark = pytest.mark.slow
+
 README = Path(__file__).resolve().parents[2] / "README.md"
 
 

@@ -184,6 +184,7 @@ def test_the_module_is_the_command(tmp_path: Path) -> None:
     assert "nothing: there is no such file or folder" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_section_that_raises(harness: Harness, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Exit with 3 where a section of the report raises, name it, and write all other sections and files."""
     from harness.report.comparison import SECTIONS
@@ -204,6 +205,7 @@ def test_a_section_that_raises(harness: Harness, case: Path, monkeypatch: pytest
     assert "ZeroDivisionError" in (folder / "manifest.json").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_an_engine_whose_package_raises(harness: Harness, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Exit with 3 and name the exception where an engine's package raises one, and report the other sources."""
     from harness.engines.mujoco import MuJoCo

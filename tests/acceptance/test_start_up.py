@@ -44,6 +44,7 @@ def processor_time_of_children() -> float:
     return times.children_user + times.children_system
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("--help",), ("run", "nothing"), ("diagnose", "nothing"), ("predict", "no", "no")])
 def test_help_and_missing_files_are_answered_without_the_heavy_half(tmp_path: Path, command: tuple[str, ...]) -> None:
     """Import no engine, no plots, no compiler and no optimiser to say that there is no such file."""
@@ -80,6 +81,7 @@ def test_the_first_line_comes_before_the_heavy_half(tmp_path: Path, command: str
     assert int(count) < MOST_MODULES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["run", "diagnose"])
 def test_a_bad_recording_is_answered_without_the_heavy_half(tmp_path: Path, command: str) -> None:
     """Read every recording of a case before anything that would work on them is imported."""

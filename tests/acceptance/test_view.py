@@ -99,6 +99,7 @@ def test_a_video_of_somebody_elses_stays(harness: Harness, tmp_path: Path) -> No
     assert [one.name for one in tmp_path.iterdir() if one.name.startswith(".")] == []
 
 
+@pytest.mark.slow
 def test_its_own_video_is_replaced_and_the_answer_is_brief(harness: Harness, tmp_path: Path) -> None:
     """Write the same short clip twice, and print one line when asked to be quiet."""
     need_opengl()
@@ -112,6 +113,7 @@ def test_its_own_video_is_replaced_and_the_answer_is_brief(harness: Harness, tmp
     assert one.out == f"video: {file} (1 frame, 0.0 s)\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -156,6 +158,7 @@ def test_a_changed_diagnosis_is_told(harness: Harness, tmp_path: Path) -> None:
         assert ("has been changed since `diagnose` wrote it" in done.err) == (file == changed)
 
 
+@pytest.mark.slow
 def test_a_log_of_nothing_is_refused(harness: Harness) -> None:
     """Name the times between which there is nothing, and write no file."""
     pytest.importorskip("rerun")

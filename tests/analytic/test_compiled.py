@@ -82,6 +82,7 @@ def test_a_change_in_another_file_is_never_missed(package: Path) -> None:
     assert run(package) == [20, 1]
 
 
+@pytest.mark.slow
 def test_the_cache_lies_where_numba_puts_it(package: Path) -> None:
     """Keep ours and somebody else's code beside the sources, or in the folder the user names."""
     run(package)

@@ -48,6 +48,7 @@ def kink_error(model: Model, velocity: FloatArray, grid: Grid) -> float:
     return float(np.sum(jumps) * grid.steps.max() ** 3 / 324.0 * (grid.time[-1] - grid.time[0]))
 
 
+@pytest.mark.slow
 @EVERY_MODEL
 @pytest.mark.parametrize("time", [EVEN, UNEVEN], ids=["even stamps", "uneven stamps"])
 def test_kernel_agrees_with_the_adaptive_reference(model: Model, time: FloatArray) -> None:

@@ -42,6 +42,7 @@ def test_kernel_is_the_printed_equation(name: str) -> None:
     assert sp.simplify(EQUATIONS[name].subs(a, kernel_acceleration(MODELS[name]))) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_reference_solves_the_printed_equation(name: str) -> None:
     """Follow the paper's equation, integrated on its own, over 10 s of a moving beam."""

@@ -16,6 +16,8 @@ from analytic.shared_step import ball_step, beam_step
 from analytic.step import advance
 from tests.motions import Sines
 
+pytestmark = pytest.mark.slow
+
 RIG = Rig(level_angle=0.002)
 GRID = Grid.over(np.linspace(0.0, 5.0, 251))
 RESISTANCE = {"rolling_resistance": {"coefficient": 0.03}}

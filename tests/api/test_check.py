@@ -18,6 +18,8 @@ from harness.identify.validation.at_rest import AgainstRest
 from harness.recording.own_files import NEXT_EXPERIMENT
 from tests.acceptance.short import write_short_case
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def unseen(tmp_path_factory: pytest.TempPathFactory) -> Check:

@@ -49,6 +49,7 @@ def test_it_is_plotted(comparison: harness.Comparison) -> None:
     assert any("PyBullet" in text.get_text() for text in figure.legends[0].get_texts())
 
 
+@pytest.mark.slow
 def test_it_is_saved(comparison: harness.Comparison, tmp_path: Path) -> None:
     """Write what the command writes, with the numbers that the tables have."""
     out = comparison.save(tmp_path / "out")

@@ -39,6 +39,7 @@ def one() -> Study:
     return study(prepare(load_case(BUNDLED), choices), [(engine, falling)])
 
 
+@pytest.mark.slow
 def test_trajectories_have_a_column_a_source(one: Study, tmp_path: Path) -> None:
     """Write the measurement and every source on the recording's stamps, to the micrometre, a fallen ball blank."""
     assert list(trajectories(one).columns) == [*COLUMNS, "pybullet_m"]
@@ -52,6 +53,7 @@ def test_trajectories_have_a_column_a_source(one: Study, tmp_path: Path) -> None
     np.testing.assert_allclose(read, expected, atol=0.51e-6)
 
 
+@pytest.mark.slow
 def test_metrics_have_a_row_a_source_and_horizon(one: Study, tmp_path: Path) -> None:
     """Write every score once."""
     table = metrics(one)
@@ -67,6 +69,7 @@ def test_metrics_have_a_row_a_source_and_horizon(one: Study, tmp_path: Path) -> 
     assert float(cam["rms_error_mm"]) == pytest.approx(one.score_of("cam", one.setting.horizons[0]).rms_error_mm, 1e-6)
 
 
+@pytest.mark.slow
 def test_manifest_holds_what_repeats_the_run(one: Study) -> None:
     """Record hashes of every file that had a say, versions, settings, seed, failures and time."""
     facts = json.loads(to_json(manifest(one, command="harness run", wall_time=1.23456)))

@@ -25,6 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_short_case(tmp_path_factory.mktemp("own_engine") / "case")
 
 
+@pytest.mark.slow
 def test_it_runs_beside_the_others(folder: Path, tmp_path: Path) -> None:
     """Drive it as the others, with its own settings, into tables, attribution, report and manifest."""
     settings = {"twin": {"time_step": 0.002}}

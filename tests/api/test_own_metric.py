@@ -27,6 +27,7 @@ def largest(run: RunComparison) -> float:
     return float(np.max(np.abs(run.error)))
 
 
+@pytest.mark.slow
 def test_it_is_a_column_of_scores_file_and_summary(folder: Path, tmp_path: Path) -> None:
     """Agree with the catalogue's metric on the whole run, take the median of windows, and leave out NaN."""
     calls: list[float] = []
@@ -66,6 +67,7 @@ def test_what_cannot_be_a_column_is_refused(folder: Path, metrics: dict[str, Any
         harness.compare(folder, metrics=metrics)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("function", "said"),
     [

@@ -29,6 +29,7 @@ def test_derivatives_are_those_of_the_angle() -> None:
         np.testing.assert_allclose(motion.derivative(time, order), slope, rtol=0.0, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_motion_depends_on_seed_and_number_alone() -> None:
     """Draw the same again, another for another number, and keep the ball where it may be."""
     one, again, other = drawn(3, Rig()), drawn(3, Rig()), drawn(4, Rig())

@@ -23,6 +23,7 @@ def rows_of(what: str, exponent: float) -> list[Row]:
     return [Row(what, size, 0, 5.0 * (size / 2.0) ** exponent, 4.0 * size, SOURCE) for size in sizes.tolist()]
 
 
+@pytest.mark.slow
 def test_a_smaller_case_is_the_beginning_of_a_larger_one(tmp_path: Path) -> None:
     """List as many recordings as asked for, each as long as asked for, those of the larger case among them."""
     sizes = [Size(2, 16.0), Size(3, 16.0), Size(1, 6.0), Size(1, 9.0)]

@@ -59,6 +59,7 @@ def rig(case: Case) -> Rig:
     return Rig(case, LoadedDiagnosis(record.model_copy(update=changed), MEASURED))
 
 
+@pytest.mark.slow
 def test_the_page_says_what_is_known_found_and_left(rig: Rig) -> None:
     """Quote the rig file, give effects with intervals and rivals, all errors in mm, and what is implausible."""
     text = page(rig)
@@ -73,6 +74,7 @@ def test_the_page_says_what_is_known_found_and_left(rig: Rig) -> None:
     assert "Not surely better than: ball at rest," in page(Rig(rig.case, LoadedDiagnosis(unsure, MEASURED)))
 
 
+@pytest.mark.slow
 def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) -> None:
     """Give their error beside that of the effects found, say whether they are used, and take the ratio of what is."""
     plain = compared()
@@ -92,6 +94,7 @@ def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) ->
         assert other.ratio(SIMPLE) == pytest.approx(ratio)
 
 
+@pytest.mark.slow
 def test_the_table_of_all_rigs_has_their_ratios(rig: Rig) -> None:
     """Divide the model's error by that of the best baseline, and take the geometric mean over rigs."""
     assert rig.ratio(SIMPLE) == pytest.approx(0.5)
@@ -103,6 +106,7 @@ def test_the_table_of_all_rigs_has_their_ratios(rig: Rig) -> None:
     assert "**0.50** | **0.50** |" in text
 
 
+@pytest.mark.slow
 def test_short_recordings_have_a_page_too(rig: Rig) -> None:
     """Say that no blocks can be held out."""
     short = Rig(rig.case, LoadedDiagnosis(rig.diagnosis.record.model_copy(update={"baselines": None}), MEASURED))
@@ -110,6 +114,7 @@ def test_short_recordings_have_a_page_too(rig: Rig) -> None:
     assert "| — |" in index([short], "measured_rigs")
 
 
+@pytest.mark.slow
 def test_only_free_readings_are_drawn(rig: Rig, tmp_path: Path) -> None:
     """Draw windows of the built-in recording, and of another rig its errors by block alone."""
     write_page(rig.case, rig.diagnosis, tmp_path / "free")
@@ -121,6 +126,7 @@ def test_only_free_readings_are_drawn(rig: Rig, tmp_path: Path) -> None:
     assert {file.name for file in (tmp_path / "kept").iterdir()} == {"other.md", "other_errors.png"}
 
 
+@pytest.mark.slow
 def test_kept_diagnoses_are_written_anew(rig: Rig, tmp_path: Path) -> None:
     """Write pages and table from a diagnosis of the same files without another search; name a case that is broken."""
     folder, reports = tmp_path / "rigs", tmp_path / "reports"

@@ -38,6 +38,7 @@ def test_the_pivot_is_left_to_be_found(tmp_path: Path) -> None:
     assert problem.rig.eccentricity == first(PIVOT).hidden[PIVOT]["eccentricity"]
 
 
+@pytest.mark.slow
 def test_spikes_are_there_and_set_aside(tmp_path: Path) -> None:
     """Spoil the share of readings that the trial says, by a centimetre or more; the problem leaves them out."""
     clean = replace(first("level_error"), plant="virtual_rig", spikes=0.0)
@@ -55,6 +56,7 @@ def test_spikes_are_there_and_set_aside(tmp_path: Path) -> None:
         assert np.isnan(record.reading[spikes]).mean() > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rolling_radius", "channel_delay"])
 def test_sizes_in_standard_errors_are_those_of_a_fit(name: str, tmp_path: Path) -> None:
     """Hide as many standard errors as the trial says: a fit of the law to what is recorded has these."""

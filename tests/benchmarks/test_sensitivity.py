@@ -63,6 +63,7 @@ def test_the_page_counts_the_trials_that_end_otherwise() -> None:
     assert sum(line == "- no effect, on virtual_rig, 40000 counts per turn: none" for line in lines) == 3
 
 
+@pytest.mark.slow
 def test_the_command_computes_nothing_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Write the page from rows that are there."""
     trials = [trial("null", "none", 0)]

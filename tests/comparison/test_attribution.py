@@ -71,6 +71,7 @@ def test_measured_order_is_that_of_the_engine(split: Split) -> None:
     assert parts.rms()["contact"] < 0.1 * parts.rms()["numerical"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "settings"),
     [

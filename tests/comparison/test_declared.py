@@ -26,6 +26,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["cam", "mujoco", "pybullet"])
 def test_source_with_declared_effects_follows_the_plant(case: Path, source: str) -> None:
     """Stay within sensor noise over windows of 2 s; without the effects they would be off by centimetres."""

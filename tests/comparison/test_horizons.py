@@ -71,6 +71,7 @@ def test_lengths_are_cleaned_up() -> None:
     assert [one.name for one in found] == ["whole", "1 s", "2 s"]
 
 
+@pytest.mark.slow
 def test_a_recording_to_predict_runs_to_its_end(shared: Path) -> None:
     """Give trajectories for the whole recording where positions are known for the first 1.5 s only."""
     case = load_case(shared / "cases" / "null_plain")

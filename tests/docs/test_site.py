@@ -25,6 +25,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("executed"))
 
 
+@pytest.mark.slow
 def test_every_page_is_in_the_navigation(site: Path) -> None:
     """Build a page of each document and each notebook, and list each of them."""
     listed = re.findall(r"[\w/]+\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("nav:")[1])
@@ -33,6 +34,7 @@ def test_every_page_is_in_the_navigation(site: Path) -> None:
     assert all((site / name.replace(".md", ".html")).is_file() for name in listed)
 
 
+@pytest.mark.slow
 def test_links_to_a_notebook_lead_to_its_page(site: Path) -> None:
     """Lead from the table of notebooks to pages, from notebook to notebook and page, and from each page to the file."""
     links = {path.stem: hrefs(path) for path in (site / "notebooks.html", *(site / "notebooks").glob("*.html"))}
@@ -52,6 +54,7 @@ def hrefs(page: Path) -> set[str]:
     return set(re.findall(r'href="?([^"\s>]+)', text))
 
 
+@pytest.mark.slow
 def test_a_broken_link_of_a_notebook_is_an_error(tmp_path: Path) -> None:
     """Check links and headings in notebooks as in pages: the site is not built."""
     shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("__pycache__"))
@@ -65,6 +68,7 @@ def test_a_broken_link_of_a_notebook_is_an_error(tmp_path: Path) -> None:
     assert "no-such-heading" in done.stderr
 
 
+@pytest.mark.slow
 def test_no_page_asks_another_machine(site: Path) -> None:
     """Load scripts, styles, fonts and pictures from the site alone."""
     for page in site.rglob("*.html"):

@@ -53,6 +53,7 @@ def error_of(result: EngineRun, rig: Rig = PAPER) -> float:
 
 # Second order as in PyBullet (0.5 µm at 1 ms), and a contact that overlaps by 0.03 g dt² = 0.3 µm: were the whole
 # overlap missing in r, s/φ would be off by 2.5e-5, 9 µm in 0.36 m. It is balanced to a tenth.
+@pytest.mark.slow
 @needs_dart
 @pytest.mark.parametrize("rig", [PAPER, PAPER.with_(level_angle=-0.0028), SMALL], ids=["paper", "tilted", "small"])
 def test_position_agrees_with_eq_14(rig: Rig) -> None:

@@ -72,6 +72,7 @@ def kernel(effect: str, values: dict[str, float], longest: float = 2.5e-3) -> Fl
     return integrate(grid, grid.tabulate(MOTION), vector, np.array([[START.position, 0.0]])).position[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("rig", [FLAT, FLAT.with_(level_angle=-0.0028, eccentricity=-0.02)], ids=["level", "tilted"])
 def test_a_ball_on_a_flat_rail_follows_eq_14(name: str, rig: Rig) -> None:
@@ -105,6 +106,7 @@ def test_the_ball_stays_on_the_line_and_turns_with_its_radius(name: str) -> None
     assert radius == pytest.approx(FLAT.rolling_radius, rel=1e-5)  # 0.1 µm of 13 mm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("gap", [0.01, 0.999 * FLAT_BELOW, 1.001 * FLAT_BELOW, 0.2])
 def test_nothing_changes_between_a_groove_and_a_flat_rail(name: str, gap: float) -> None:
@@ -119,6 +121,7 @@ def test_the_step_of_a_diagnosis_suits_a_flat_rail_and_the_shallowest_groove(nam
         assert error_of(run(name, rig, time_step=2e-3), rig) < 4.0 * BOUND[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_an_effect_acts_on_a_flat_rail_as_in_the_kernel(name: str, effect: str) -> None:

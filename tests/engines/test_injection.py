@@ -43,6 +43,7 @@ def test_rolling_resistance_in_engine_matches_the_independent_plant(name: str) -
     assert np.max(np.abs(position - np.interp(STAMPS, truth.time, truth.position))) < 2e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_effect_in_engine_matches_the_kernel(name: str, effect: str) -> None:

@@ -37,6 +37,7 @@ def test_settings_mujoco_would_ignore_are_refused(settings: dict[str, object], m
         MuJoCoParameters(**settings)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "settings",
     [

@@ -32,11 +32,13 @@ def written_by(script: str, redirect: str = "") -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
+@pytest.mark.slow
 def test_a_run_in_pybullet_is_silent() -> None:
     """Import PyBullet's greeting away and run, in a fresh interpreter: not one byte comes out."""
     assert written_by(RUN) == (0, "")
 
 
+@pytest.mark.slow
 def test_closed_stderr_is_no_obstacle() -> None:
     """Run where the standard error is closed, as under some service managers."""
     assert written_by(RUN, "2>&-") == (0, "")

@@ -44,6 +44,7 @@ def test_every_effect_of_the_catalogue_is_tried() -> None:
         assert one.exportable, one.name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_derivative_and_run_equal_our_own(name: str, tmp_path: Path) -> None:
     """Compare accelerations and friction limits at random states, and a run of four seconds."""
@@ -74,6 +75,7 @@ def test_derivative_and_run_equal_our_own(name: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(compiled.run(beam, S0, PHASE), expected_run, atol=tolerance + PRINTED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("term", SPLINES, ids=lambda one: one.name)
 def test_spline_terms_equal_our_own(term: SplineTerm, tmp_path: Path) -> None:
     """Run each kind of spline term, in force, in friction and in the sensor, over four seconds."""

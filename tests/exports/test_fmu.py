@@ -35,6 +35,7 @@ SETS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("which", SETS)
 def test_fmu_runs_as_our_own_kernel(fmi: Fmi, which: str, tmp_path: Path) -> None:
@@ -98,6 +99,7 @@ def test_a_step_can_be_made_again(tmp_path: Path) -> None:
         one.freeInstance()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("name", ["angle", "start_position"])
 def test_what_is_no_number_is_refused_with_a_message(fmi: Fmi, name: str, tmp_path: Path) -> None:

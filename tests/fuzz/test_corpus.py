@@ -21,6 +21,7 @@ def table() -> dict[str, tuple[int, str]]:
         return {row["file"]: (int(row["code"]), row["place"]) for row in csv.DictReader(file)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", INPUTS)
 def test_every_kept_input_has_its_outcome(kind: str) -> None:
     """End with the exit code of the table, and with one message that names the same place."""
@@ -41,6 +42,7 @@ def test_the_corpus_is_what_the_script_makes() -> None:
     assert len(made) >= 100
 
 
+@pytest.mark.slow
 def test_the_seeds_are_good() -> None:
     """Give a result for what all changes begin with."""
     for kind, name in (

@@ -19,6 +19,7 @@ from harness.recording import load_case
 from tests.recording.in_water import STEP, water
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "damping", "delay"),
     [

@@ -17,6 +17,8 @@ from harness.preparation.readings import UsedReadings
 from harness.recording import Case, Recording, load_case, load_recording
 from harness.simulator import Experiment, write_case
 
+pytestmark = pytest.mark.slow
+
 TRUE = 0.02  # [N s/m]
 
 

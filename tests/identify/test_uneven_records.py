@@ -58,6 +58,7 @@ def test_readings_stamped_together_leave_the_angle_as_certain(tmp_path: Path) ->
     assert floors[1] == pytest.approx(floors[0], rel=0.05)
 
 
+@pytest.mark.slow
 def test_readings_taken_together_have_an_angle_error(tmp_path: Path) -> None:
     """Give the input noise a floor where a rig takes readings in bunches: above that of even ones, below any motion."""
     floors = []

@@ -45,6 +45,7 @@ def base(open_problem: Problem) -> Fit:
     return fit(open_problem, Hypothesis(open_problem.unknown))
 
 
+@pytest.mark.slow
 def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, base: Fit) -> None:
     """Find the true K as that of the completed rig times the gain, whatever the rig was completed with."""
     assert open_problem.unknown == ("angle_gain",)
@@ -61,6 +62,7 @@ def test_a_gain_of_the_angle_stands_for_an_unknown_ratio(open_problem: Problem, 
     assert abs(again.values()["angle_gain", "gain"] * off - gain) < reach
 
 
+@pytest.mark.slow
 def test_what_stands_for_the_unknown_is_no_finding(open_problem: Problem, base: Fit) -> None:
     """Count it among no findings, and try neither it nor what no recording can tell from it."""
     assert base.hypothesis.names == ("angle_gain",)

@@ -41,6 +41,7 @@ def outcome(path: Path, options: Options) -> Understood | str:
         return str(error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*TEXTS, *BINARIES])
 @given(edits=EDITS)
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -86,6 +87,7 @@ def test_any_text_of_numbers(tmp_path: Path, text: str) -> None:
     assert isinstance(result, Understood) or str(path) in result
 
 
+@pytest.mark.slow
 @given(text=st.text(max_size=40))
 @settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_options(tmp_path: Path, text: str) -> None:

@@ -40,6 +40,7 @@ def headers(draw: st.DrawFn) -> list[tuple[QuantityName, str, float]]:
     return chosen
 
 
+@pytest.mark.slow
 @given(headers())
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_order_unit_and_spelling(tmp_path: Path, chosen: list[tuple[QuantityName, str, float]]) -> None:

@@ -46,6 +46,7 @@ def test_few_rows_tell_nothing(tmp_path: Path) -> None:
     assert not answers_readings([load_recording(write(tmp_path / "still.csv", still))])
 
 
+@pytest.mark.slow
 def test_what_is_known_of_the_shared_rigs_is_told(shared: Path) -> None:
     """Name the two measured rigs of which a command is recorded, and none whose angle is measured or simulated."""
     rigs = {one.name: load_case(one) for group in ("cases", "recordings") for one in sorted((shared / group).iterdir())}

@@ -200,6 +200,7 @@ def test_a_short_recording_is_not_cut(tmp_path: Path) -> None:
     assert len(loaded(tmp_path, time, angle, spoilt).time) == len(time)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group", ["recordings", "cases"])
 def test_sound_recordings_are_used_whole(shared: Path, group: str) -> None:
     """Leave nothing out of five measured rigs and of simulated cases with effects, and stop none of them."""

@@ -9,6 +9,8 @@ import pytest
 from harness.recording import inferred_resolution, load_case
 from tests.shared_data import CASES, measured_rigs
 
+pytestmark = pytest.mark.slow
+
 needs_shared = pytest.mark.skipif(not CASES.is_dir(), reason="the folder ../shared is absent")
 
 

@@ -86,6 +86,7 @@ def test_a_beam_at_rest_has_no_swing() -> None:
     assert between_readings(np.arange(100) * 0.1, np.full(100, 0.02)) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_no_shared_rig_is_too_slow(shared: Path) -> None:
     """All measured and simulated rigs are sampled fast enough, or have a command."""
     for group in ("cases", "recordings"):

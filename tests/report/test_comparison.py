@@ -21,6 +21,8 @@ from harness.report.palette import label_of
 from harness.tolerances import Checked
 from tests.recording.simulated import simulated, write
 
+pytestmark = pytest.mark.slow
+
 RIG_FILE = """
 origin = "simulated for a test"
 [ball]

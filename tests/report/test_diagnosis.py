@@ -102,11 +102,13 @@ def html(diagnosis, record, case):
     return render_diagnosis(diagnosis, record, case, command="harness diagnose rolling")
 
 
+@pytest.mark.slow
 def test_it_opens_offline(html):
     """Hold everything in one file: no address but data and namespaces."""
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", html)
 
 
+@pytest.mark.slow
 def test_the_first_screen_says_what_was_missing(html, diagnosis):
     """Say the verdict in words, before the first picture, with the value that was put in."""
     top = html[: html.index("<figure>")]
@@ -115,6 +117,7 @@ def test_the_first_screen_says_what_was_missing(html, diagnosis):
     assert "simulated data" in top
 
 
+@pytest.mark.slow
 def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     """Print the law and both ends of the 95 % interval."""
     estimate = diagnosis.effects[0].parameters["coefficient"]
@@ -126,6 +129,7 @@ def test_the_effect_stands_there_with_its_interval(html, diagnosis):
     )  # the width is printed with two digits
 
 
+@pytest.mark.slow
 def test_an_implausible_size_is_a_caveat(html, diagnosis, record, case):
     """Say of a parameter outside its usual range what that range is, and nothing of one inside."""
     steep = replace(
@@ -138,6 +142,7 @@ def test_an_implausible_size_is_a_caveat(html, diagnosis, record, case):
     assert "mplausibl" not in html
 
 
+@pytest.mark.slow
 def test_warnings_stand_on_the_first_screen(diagnosis, record, case):
     """Print what is wrong with the input before the first picture, and notes not there."""
     findings = [
@@ -151,6 +156,7 @@ def test_warnings_stand_on_the_first_screen(diagnosis, record, case):
     assert "the header is odd" in page
 
 
+@pytest.mark.slow
 def test_the_recording_with_readings_left_out_is_shown(diagnosis, record, case):
     """Draw readings that were left out in the recording that has most of them, and leave the frame to the others."""
     name = case.identify[1]
@@ -163,6 +169,7 @@ def test_the_recording_with_readings_left_out_is_shown(diagnosis, record, case):
     assert len(drawn["left out of all fits"].get_xdata()) == 80
 
 
+@pytest.mark.slow
 def test_a_prediction_that_runs_away_hides_no_recording(diagnosis, record, case):
     """Frame readings and three times their spread where a prediction ends a hundred metres off, in either picture."""
     account = Account(diagnosis, record, case, "")
@@ -179,6 +186,7 @@ def test_a_prediction_that_runs_away_hides_no_recording(diagnosis, record, case)
         assert high < 1e3 * 7.0 * spread
 
 
+@pytest.mark.slow
 def test_errors_stand_by_source_and_horizon(html):
     """Print CAM and both engines before and after, a dash and the message where one failed, and where effects enter."""
     part = html[html.index('id="errors"') :]
@@ -198,6 +206,7 @@ def test_errors_stand_by_source_and_horizon(html):
     assert re.search(r"<dt>rolling resistance</dt><dd>force on the ball</dd>", part)
 
 
+@pytest.mark.slow
 def test_a_users_own_scene_is_named(html, diagnosis, record, case):
     """Say with the errors and with the inputs which scene file each engine ran; say nothing of built-in ones."""
     own = replace(case, scene=Scene(folder=case.path, mjcf=case.path / "parts" / "crank.xml"))
@@ -208,6 +217,7 @@ def test_a_users_own_scene_is_named(html, diagnosis, record, case):
     assert "built-in scene" not in html
 
 
+@pytest.mark.slow
 def test_warnings_of_engines_stand_with_their_errors(html, diagnosis, case):
     """Say which engine warns of what, of each warning the one with the largest number, also in diagnosis.json."""
     sags = [f"the linkage lets the beam depart from the recorded angle by up to {sag} rad" for sag in (4e-4, 7e-4)]
@@ -222,6 +232,7 @@ def test_warnings_of_engines_stand_with_their_errors(html, diagnosis, case):
     assert "engines say" not in html
 
 
+@pytest.mark.slow
 def test_innovations_no_longer_know_the_angle(html, diagnosis):
     """Print p of the angle, which resistance left in the innovations and the found one takes out of them."""
     assert diagnosis.heldout.before.beam["angle"].p < SIGNIFICANT < diagnosis.heldout.after.beam["angle"].p
@@ -229,6 +240,7 @@ def test_innovations_no_longer_know_the_angle(html, diagnosis):
     assert f"{diagnosis.heldout.after.beam['angle'].p:.2f}" in row
 
 
+@pytest.mark.slow
 def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
     """List what was tried under its hash, and set apart what was kept."""
     table = html[html.index('id="ledger"') : html.index('id="inputs"')]
@@ -239,6 +251,7 @@ def test_every_attempt_is_in_the_ledger(html, diagnosis, record):
     assert all(f"<code>{one[:8]}</code>" in table for one in hashes)
 
 
+@pytest.mark.slow
 def test_rivals_are_weighed(html, diagnosis):
     """A tilt that nobody levelled is no rival to a resistance."""
     table = html[html.index('id="rivals"') : html.index('id="ledger"')]
@@ -247,6 +260,7 @@ def test_rivals_are_weighed(html, diagnosis):
     assert re.search(r"level_error.*<td class=\"text\">yes</td>", table)
 
 
+@pytest.mark.slow
 def test_rivals_by_held_out_errors_are_so_many_per_cent_worse(diagnosis, case):
     """Where held-out errors decided, give those of a rival over what was found, and tell 3 % apart from nothing."""
 
@@ -276,6 +290,7 @@ def test_a_value_that_was_set_aside_is_not_called_given():
     assert _status(9e-5, 5.031e-6) == "estimated, contrary to the given 5.031·10⁻⁶"
 
 
+@pytest.mark.slow
 def test_the_law_lies_on_the_trace(diagnosis, case):
     """The acceleration that the found resistance gives is k c N/m against the motion, and is what the model leaves.
 
@@ -299,6 +314,7 @@ def test_the_law_lies_on_the_trace(diagnosis, case):
         assert np.sqrt(np.mean(left**2)) < 0.5 * np.sqrt(np.mean(law**2))
 
 
+@pytest.mark.slow
 def test_nothing_found_adds_nothing(diagnosis, case):
     """The law of no effect is zero, to the bit."""
     problem, record = diagnosis.problem, diagnosis.problem.recordings[0]
@@ -306,6 +322,7 @@ def test_nothing_found_adds_nothing(diagnosis, case):
     assert not np.any(residual_acceleration(problem, diagnosis.base, record, ball).law)
 
 
+@pytest.mark.slow
 def test_no_finding_needs_no_table(diagnosis, case):
     """Where nothing is missing the page says so, and draws no second prediction."""
     none = replace(diagnosis, verdict=Verdict.NONE, effects=(), found=diagnosis.base, heldout=diagnosis.heldout)

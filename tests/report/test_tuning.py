@@ -15,6 +15,8 @@ from harness.simulator import Experiment, write_case
 from harness.tuning.tune import tune
 from tests.own_scenes import FLAT, flat_track
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def tuning(tmp_path_factory: pytest.TempPathFactory) -> Tuning:

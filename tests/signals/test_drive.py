@@ -184,6 +184,7 @@ def test_uneven_stamps_and_dropouts():
     assert 0.7 < rms(np.concatenate(scores)) < 1.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, None])
 def test_exact_angle_stays_exact(noise):
     """Pass an angle without noise or rounding through, declared so or not: nothing is smoothed away."""

@@ -145,6 +145,7 @@ def test_the_prior_lets_a_value_turn_where_its_counts_do() -> None:
     assert np.sqrt(np.exp(least[15]) * 0.1**5 / 20.0) == pytest.approx(1.0 / math.sqrt(12.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.0, 1e-9, 1e-7, 1e-6])
 @pytest.mark.parametrize("changes", [0, 1, 4])
 def test_a_signal_that_stands_still_is_smoothed(step: float, changes: int) -> None:

@@ -84,6 +84,7 @@ MOVING = ("level_error", "beam_compliance", "gust", "settling_force", "magnet", 
 RESTING = [name for name in ALL if name not in MOVING]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*RESTING, "magnet"])
 def test_ball_at_rest_stays_at_rest(name: str) -> None:
     """Leave a resting ball on a level beam where it is, to the bit, unless something pulls at it."""
@@ -111,6 +112,7 @@ def test_energy_balance_closes_with_second_order(name: str) -> None:
     assert errors[1] < 1e-8  # J, of some 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_experiment_step_is_fine_enough(name: str) -> None:
     """Leave an error at the experiments' step that is below a hundredth of the laser's noise after 6 s."""

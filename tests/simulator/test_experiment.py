@@ -25,6 +25,7 @@ def arrays(recording: SimulatedRecording) -> tuple[FloatArray, ...]:
     return recording.record.angle, recording.record.position, recording.position, recording.noiseless
 
 
+@pytest.mark.slow
 def test_same_seed_same_case() -> None:
     """Repeat a case to the bit with its seed; change moves and noise with another, and from recording to recording."""
     first, again, other = (Experiment(seed=seed, hidden=DECLARED).recordings() for seed in (3, 3, 4))
@@ -80,6 +81,7 @@ def test_every_effect_shows_in_its_case(name: str) -> None:
     assert error > 3 * experiment.position_noise
 
 
+@pytest.mark.slow
 def test_open_loop_makes_the_moves_of_the_declared_rig() -> None:
     """Turn the beam as it would be turned without the hidden effect, and say so where the ball then runs off."""
     settings = {"seed": 7, "identify": 1, "predict": 0, "duration": 4.0, "closed_loop": False}

@@ -74,6 +74,7 @@ def test_smooth_rolling_converges_with_second_order(resistance: float) -> None:
     assert order == pytest.approx(2.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_bundled_plant_is_converged_at_its_step() -> None:
     """Keep the bundled recordings' truth, with its stops and starts, within 0.1 µm of a four times finer step."""
     for run, _ in perform_all().values():

@@ -82,6 +82,7 @@ def test_the_other_bundled_recordings_keep_the_same_limits(pytester: pytest.Pyte
     result.assert_outcomes(passed=len(read_tolerances(BUNDLED / "tolerances.toml").limits))
 
 
+@pytest.mark.slow
 def test_a_soft_contact_breaks_the_limit_against_cam(pytester: pytest.Pytester, make_case: MakeCase) -> None:
     """Show which limit a tweaked contact parameter breaks, with value, limit, margin and tweak, and no traceback."""
     result = run(pytester, "--case", make_case(tolerances=LIMITS), "--set", SOFT)

@@ -71,6 +71,7 @@ def lifting() -> Model:
     return Model(engine_of("mujoco"), problem, SETTINGS, {LEVEL: level_of(problem.rig)})
 
 
+@pytest.mark.slow
 def test_windows_in_which_the_ball_lifts_off_are_left_out(lifting: Model) -> None:
     """Keep the other one."""
     windows = stretches_of(lifting.problem, lifting.problem.recordings[0], [(0.0, 4.5), (0.0, 9.0)])
@@ -80,6 +81,7 @@ def test_windows_in_which_the_ball_lifts_off_are_left_out(lifting: Model) -> Non
     assert failure.of_the_rig
 
 
+@pytest.mark.slow
 def test_blocks_in_which_the_ball_lifts_off_are_left_out_and_counted(lifting: Model) -> None:
     """Keep the blocks that the engine runs through, and no error of a run that ended."""
     windows = stretches_of(lifting.problem, lifting.problem.recordings[0], [(0.0, 4.5)])
@@ -91,6 +93,7 @@ def test_blocks_in_which_the_ball_lifts_off_are_left_out_and_counted(lifting: Mo
     assert np.isfinite(np.concatenate([one.before for one in found.predicted])).all()
 
 
+@pytest.mark.slow
 def test_a_rig_that_no_engine_runs_on_is_told_with_what_to_do(lifting: Model) -> None:
     """Name the recordings, and point to what needs no engine."""
     with pytest.raises(EngineFailure, match=r"lifts off.*every window of rec_01\.csv.*harness diagnose"):

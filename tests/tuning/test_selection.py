@@ -24,6 +24,7 @@ def slipping(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     return problem_of(load_case(folder))
 
 
+@pytest.mark.slow
 def test_values_with_which_the_engine_fails_are_told_as_such(slipping: Problem) -> None:
     """Call a friction not tried, instead of seen and idle, where the ball that slides leaves a rail at a long step."""
     made = tune(slipping, engine_of("mujoco"), {"time_step": 4e-3}, ["friction=0.004:0.011"])

@@ -18,6 +18,7 @@ from tests.viewing.shown import blue, column_of, made, middle_of, need_opengl, o
 PIXEL = 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("time", [0.0, 0.3, 1.0])
 def test_both_balls_are_drawn_where_they_are(time: float) -> None:
     """Find engine's ball and ghost in the columns in which a pinhole camera sees them."""
@@ -46,6 +47,7 @@ def test_a_ball_that_is_not_known_is_not_drawn() -> None:
     assert blue(picture).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [-0.1, 0.03, 0.1])
 def test_no_wall_shades_itself(angle: float) -> None:
     """Draw the beam without dashes of shadow on it, away from where the balls shade it."""

@@ -70,6 +70,7 @@ MUJOCO = 20e-6
 BULLET = 25e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "make", "rig", "tolerance"),
     [

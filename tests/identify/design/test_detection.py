@@ -68,6 +68,7 @@ def test_an_effect_of_twice_the_limit_is_found_and_of_a_third_is_not(
     assert not kept, gain
 
 
+@pytest.mark.slow
 def test_limits_are_ordered_and_name_what_looks_alike(limits: dict[str, Limit]) -> None:
     """Give every effect a positive limit, not smaller than with all else explained, and pairs both ways."""
     for one in limits.values():
@@ -107,6 +108,7 @@ def test_what_is_left_once_the_rest_is_explained_is_what_a_complete_model_shows(
         assert 1.0 / 1.5 < lower[name] / lower["channel_delay"] < 1.5, (name, lower[name])
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_flat_rail_may_roll_on_a_smaller_radius(tmp_path: Path) -> None:
     """Give a limit for the rolling radius where the known one is the largest there can be."""
     flat = on_flat_rail(problem_with(tmp_path / "case", {}))

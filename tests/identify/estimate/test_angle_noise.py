@@ -125,6 +125,7 @@ def test_a_command_that_is_logged_late_is_not_smoothed_as_noise(tmp_path: Path) 
     assert error < 0.2 * ROLLING
 
 
+@pytest.mark.slow
 def test_noise_of_a_sensor_stays_noise(tmp_path: Path) -> None:
     """Leave an angle as it is estimated that scatters because its sensor is noisy."""
     problem = problem_of(load_case(write(tmp_path / "case", measured=5e-3)))

@@ -14,6 +14,8 @@ from harness.identify.problem.hypothesis import Hypothesis
 from harness.recording import load_case
 from harness.simulator import Experiment, with_imperfections, write_case
 
+pytestmark = pytest.mark.slow
+
 _NARROW = 3e-4  # width in the scale of the fit [5 mrad]: at most an eighth of its standard error
 
 

@@ -18,6 +18,7 @@ from tests.recording.hand_turned import STEP, Hand, write_hand_turned
 DELAY = 0.06  # of the position [s]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_delay_is_no_hold_where_the_beam_is_half_seen(tmp_path: Path, seed: int) -> None:
     """Find a delay of 60 ms in ten readings a second of an exact angle, more likely than a hold or a servo.
@@ -38,6 +39,7 @@ def test_a_delay_is_no_hold_where_the_beam_is_half_seen(tmp_path: Path, seed: in
     assert delayed.deviance < min(held.deviance, servo.deviance) - 4.0
 
 
+@pytest.mark.slow
 def test_noise_of_an_angle_that_is_sampled_fast_enough_stays_noise(tmp_path: Path) -> None:
     """Leave an angle as its readings tell where its sensor is noisy and it is sampled fifty times a second."""
     hand = Hand(corner=1.0, size=0.1, rate=50.0, angle_noise=2e-3)
@@ -46,6 +48,7 @@ def test_noise_of_an_angle_that_is_sampled_fast_enough_stays_noise(tmp_path: Pat
     assert (problem.noise_share, problem.roughness) == (1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_declared_noise_is_believed(tmp_path: Path) -> None:
     """Ask the ball for nothing where the noise is declared."""
     hand = Hand(corner=1.5, size=0.1, rate=10.0, duration=10.0)

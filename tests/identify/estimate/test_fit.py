@@ -33,6 +33,7 @@ TRUTHS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "name"), list(enumerate(TRUTHS)), ids=list(TRUTHS))
 def test_the_interval_holds_the_truth(tmp_path: Path, seed: int, name: str) -> None:
     """Recover each effect from two recordings within its 99.9 % interval; one seed each, as it came."""

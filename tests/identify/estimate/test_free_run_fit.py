@@ -44,6 +44,7 @@ def test_free_runs_recover_effects_that_act_together(pair: Problem) -> None:
         assert abs(error) < 0.05 * true
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("coefficient", "delay"), [(0.015, 0.2), (0.025, 0.05)])
 def test_a_strong_friction_is_found_from_the_catalogue_s_starts(
     tmp_path: Path, coefficient: float, delay: float

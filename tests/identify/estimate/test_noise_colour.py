@@ -15,6 +15,7 @@ from tests.coloured_record import NOISE, TIME, coloured_problem
 from tests.posed import Posed, pose
 
 
+@pytest.mark.slow
 def test_correlation_time_and_variance_are_found(tmp_path: Path) -> None:
     """Find both within four standard errors from 1500 readings, most of the variance coloured."""
     problem = coloured_problem(tmp_path / "case", 1)

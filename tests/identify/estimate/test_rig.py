@@ -76,6 +76,7 @@ def test_a_level_angle_is_found_beside_friction(shared: Path) -> None:
     assert fitted.beside[ROLLING_RESISTANCE][0] == pytest.approx(0.0, abs=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["null_plain", "null_declared_paper_encoder", "rolling"])
 def test_a_level_rig_is_found_level(shared: Path, name: str) -> None:
     """Find no level angle where there is none."""

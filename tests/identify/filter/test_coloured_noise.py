@@ -29,6 +29,7 @@ def test_noise_that_is_forgotten_between_readings_is_white(plain: Posed, added: 
     assert deviance(forgotten, added, PROCESS_NOISE) == pytest.approx(deviance(problem, added, PROCESS_NOISE), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_innovations_of_coloured_readings_are_white_with_their_colour_only(tmp_path: Path) -> None:
     """Leave nothing of the correlation between neighbouring readings, and the variance that was foreseen."""
     problem = coloured_problem(tmp_path / "case", 1)

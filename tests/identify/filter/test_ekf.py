@@ -308,6 +308,7 @@ def test_a_ball_that_was_held_keeps_the_error_of_the_rate(tmp_path: Path) -> Non
     assert 0.8 < np.exp(np.mean(np.log(ratios))) < 1.25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("counts", "begins"), [(4096, -0.9), (40_000, 0.9)])
 def test_a_play_that_begins_at_its_end_is_no_missing_physics(tmp_path: Path, counts: int, begins: float) -> None:
     """Find the width of a play within four standard errors, and nothing left, wherever in its gap the beam begins."""

@@ -23,6 +23,8 @@ from harness.signals import smooth
 from harness.signals.error_process import error_process
 from tests.signals.dense_posterior import posterior_covariance
 
+pytestmark = pytest.mark.slow
+
 READING, ANGLE = 2e-4, 4e-4  # standard deviations [m], [rad]
 
 

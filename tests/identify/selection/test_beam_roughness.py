@@ -63,6 +63,7 @@ def gain_of_a_play(problem: Problem) -> float:
 
 
 # 14: a parameter's price ln n = 8 of 2800 readings, and 6 that are asked beyond.
+@pytest.mark.slow
 def test_a_held_ball_leaves_nothing_for_a_play_to_explain(tmp_path: Path) -> None:
     """Gain less by it than what makes an effect believed; 16 where a held ball forgets the error of the beam's rate."""
     assert gain_of_a_play(followed(tmp_path, HELD)) < 14.0

@@ -33,6 +33,7 @@ def test_without_any_candidate_nothing_is_excluded(plain: Posed, monkeypatch: py
         identify(plain.problem)
 
 
+@pytest.mark.slow
 def test_a_deviance_that_is_no_number_is_a_failure(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out a candidate whose fit ends with NaN, and say so."""
     base, original, failures = search.search(plain.problem).base, candidates.screen, Failures()
@@ -51,6 +52,7 @@ def test_a_deviance_that_is_no_number_is_a_failure(plain: Posed, monkeypatch: py
     assert "not a number" in failure.message
 
 
+@pytest.mark.slow
 def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
     """Keep the effects where spline terms and the search by held-out errors raise, and name both."""
 
@@ -73,6 +75,7 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
     ]
 
 
+@pytest.mark.slow
 def test_what_needs_no_process_noise_is_not_searched_by_held_out_errors(
     plain: Posed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -89,6 +92,7 @@ def test_what_needs_no_process_noise_is_not_searched_by_held_out_errors(
         search.search(plain.problem)
 
 
+@pytest.mark.slow
 def test_effects_that_take_away_little_of_much_process_noise_are_not_kept(
     plain: Posed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,6 +114,7 @@ def test_effects_that_take_away_little_of_much_process_noise_are_not_kept(
     assert search.search(problem).found is damped
 
 
+@pytest.mark.slow
 def test_spline_terms_that_all_fail_leave_the_effects(plain: Posed, monkeypatch: pytest.MonkeyPatch) -> None:
     """Go on without any spline term where none can be fitted."""
 

@@ -56,6 +56,7 @@ def test_effects_that_act_together_are_found_together(pair: Problem) -> None:
     assert "predicts held-out blocks" in joint.because
 
 
+@pytest.mark.slow
 def test_an_idle_effect_gives_its_place_to_one_that_acts(pair: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     """Prune before effects are added, of which there may be two, though no exchange is made."""
     problem = replace(pair, settings=replace(pair.settings, max_effects=2))

@@ -41,6 +41,7 @@ def kept(searched: Selection) -> dict[str, Any]:
     return json.loads(ledger_record(searched, INPUTS).model_dump_json())
 
 
+@pytest.mark.slow
 def test_every_line_is_decided_by_the_criterion(searched: Selection) -> None:
     """Come to every decision, gain and reason from the line's own fits and evidence."""
     criterion = Criterion(searched.problem.settings)
@@ -50,12 +51,14 @@ def test_every_line_is_decided_by_the_criterion(searched: Selection) -> None:
         assert not set(line.beside) & set(line.effects)
 
 
+@pytest.mark.slow
 def test_the_search_adds_drops_and_swaps(searched: Selection) -> None:
     """Hold each of two effects against none and against all others, and find both."""
     assert {Rule.ADD, Rule.DROP, Rule.SWAP} <= {line.rule for line in searched.ledger}
     assert set(searched.found.hypothesis.names) == set(HIDDEN)
 
 
+@pytest.mark.slow
 def test_the_same_inputs_replay_to_nothing(searched: Selection, kept: dict[str, Any]) -> None:
     """Find every hash, deviance and decision again."""
     done = replay(LedgerRecord.model_validate(kept), searched.problem)
@@ -123,6 +126,7 @@ def _version(record: dict[str, Any]) -> str:
     return "does not give its hash"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forge", [_parameter, _decision, _gain, _reason, _hash, _mass, _threshold, _version])
 def test_what_was_changed_is_named(
     searched: Selection, kept: dict[str, Any], forge: Callable[[dict[str, Any]], str]
@@ -134,6 +138,7 @@ def test_what_was_changed_is_named(
     assert any(text in one for one in said), said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", [Rule.ADD, Rule.DROP, Rule.SWAP])
 def test_every_kind_of_decision_is_decided_anew(searched: Selection, kept: dict[str, Any], rule: Rule) -> None:
     """Notice of each rule that a decision was turned round, hashes and all."""
@@ -146,6 +151,7 @@ def test_every_kind_of_decision_is_decided_anew(searched: Selection, kept: dict[
     )
 
 
+@pytest.mark.slow
 def test_other_recordings_give_other_deviances(tmp_path: Path, kept: dict[str, Any]) -> None:
     """Reproduce nothing from recordings of the same rig with other noise."""
     other = pose(tmp_path / "case", 1, HIDDEN).problem

@@ -13,6 +13,8 @@ from harness.identify.selection.period import period_of
 from harness.identify.selection.spline_terms import visited
 from tests.posed import pose
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("wavelength", [0.04, 0.075, 0.11])
 def test_the_period_of_a_ripple_is_seen_before_it_is_fitted(tmp_path: Path, wavelength: float) -> None:

@@ -62,6 +62,7 @@ def test_a_gust_is_a_spline_term_of_time_only_if_it_comes_again(tmp_path: Path, 
     assert recurs(problem, found, best) is both
 
 
+@pytest.mark.slow
 def test_one_recording_cannot_tell(tmp_path: Path) -> None:
     """Take the spline term's gain for what it is where there is no second recording to ask."""
     problem = blown(tmp_path / "case", both=False)

@@ -61,6 +61,7 @@ def test_an_excluded_effect_is_not_tried(damped: tuple[Problem, Fit, list[Fit]])
     assert "viscous_damping" not in {one.hypothesis.names[-1] for one in tried}
 
 
+@pytest.mark.slow
 def test_what_acts_is_found_and_nothing_else(damped: tuple[Problem, Fit, list[Fit]]) -> None:
     """Add the damping, then nothing; the ledger tells of two rounds in which every candidate was tried."""
     problem, base, _ = damped
@@ -82,6 +83,7 @@ def test_nothing_is_found_where_nothing_is_missing(plain: Posed) -> None:
     assert all(line.because for line in ledger.lines)
 
 
+@pytest.mark.slow
 def test_no_more_effects_are_found_than_the_settings_allow(tmp_path: Path) -> None:
     """Stop at the number of effects that recordings can tell apart."""
     from dataclasses import replace

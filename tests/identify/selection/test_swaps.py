@@ -53,6 +53,7 @@ def test_what_stood_in_gives_way(rolling: Problem) -> None:
     assert any(line.rule is Rule.SWAP and line.kept and line.effects == (ROLLING,) for line in ledger.lines)
 
 
+@pytest.mark.slow
 def test_one_law_that_two_imitate_is_split(both: Problem) -> None:
     """Split a resistance that differs by direction into a resistance and a level error, where these act."""
     found, ledger = swapped(both, DIRECTIONAL)

@@ -49,6 +49,7 @@ def held(rolling: tuple[Posed, Fit, Fit]) -> BaselineComparison:
     return made
 
 
+@pytest.mark.slow
 def test_who_knows_what_acts_wins(held: BaselineComparison) -> None:
     """Beat all baselines and the model without the effect, beyond chance, where the effect is known."""
     assert held.blocks == 8  # four of 16 s, of each of two recordings
@@ -60,6 +61,7 @@ def test_who_knows_what_acts_wins(held: BaselineComparison) -> None:
         assert margin.low <= margin.value <= margin.high
 
 
+@pytest.mark.slow
 def test_gains_and_blocks_won_follow_from_the_errors(held: BaselineComparison) -> None:
     """Gain the difference of RMS errors, and win the blocks that are predicted better."""
     for name in BASELINES:
@@ -69,6 +71,7 @@ def test_gains_and_blocks_won_follow_from_the_errors(held: BaselineComparison) -
         assert held.won(name) == np.sum(held.errors[AFTER] < held.errors[name])
 
 
+@pytest.mark.slow
 def test_the_model_knows_two_seconds_only(rolling: tuple[Posed, Fit, Fit]) -> None:
     """Miss a window by the same when everything before and after it is changed, for the model is no better informed."""
     posed, _, found = rolling
@@ -85,6 +88,7 @@ def test_the_model_knows_two_seconds_only(rolling: tuple[Posed, Fit, Fit]) -> No
     )
 
 
+@pytest.mark.slow
 def test_held_out_readings_have_no_say(rolling: tuple[Posed, Fit, Fit]) -> None:
     """Predict a group of blocks the same whatever their readings are that nobody knows while they are held out.
 
@@ -113,6 +117,7 @@ def test_held_out_readings_have_no_say(rolling: tuple[Posed, Fit, Fit]) -> None:
     np.testing.assert_allclose(added, 2.0 * d**2 * np.array(shares), rtol=1e-9, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_fits_to_free_runs_are_repeated_as_in_their_cross_validation(rolling: tuple[Posed, Fit, Fit]) -> None:
     """Find the errors again that the cross-validation of a fit to free runs found."""
     posed, _, found = rolling
@@ -134,6 +139,7 @@ def test_like_against_like_is_a_draw() -> None:
     assert BaselineComparison({AFTER: one[:3], BASELINES[0]: other[:3]}).margin(BASELINES[0]) is None
 
 
+@pytest.mark.slow
 def test_short_recordings_hold_nothing_to_compare(rolling: tuple[Posed, Fit, Fit]) -> None:
     """Say nothing where what is left beside a held-out block does not last for two windows."""
     posed, base, found = rolling

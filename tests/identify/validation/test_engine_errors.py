@@ -79,6 +79,7 @@ def agree(problem: Problem, base: Fit, found: Fit) -> None:
             assert run["before"]["rms_m"][horizon] == pytest.approx(plain[horizon], rel=1e-2, abs=2e-5), (name, horizon)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "enters"),
     [
