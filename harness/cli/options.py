@@ -53,11 +53,17 @@ class CaseType(PathType):
     """A case: a path, or the name of a bundled one, which a shell completes, too."""
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """Bundled cases that begin so, then files and folders."""
+        """Bundled cases that begin so, with files and folders here that do; else the shell completes paths itself.
+
+        The request for paths makes bash and zsh drop names that are given beside it.
+        """
         from harness.recording.case import BUILT_IN
 
-        names = [CompletionItem(name) for name in BUILT_IN if name.startswith(incomplete)]
-        return [*names, *super().shell_complete(ctx, param, incomplete)]
+        names = [name for name in BUILT_IN if name.startswith(incomplete)]
+        if not names:
+            return super().shell_complete(ctx, param, incomplete)
+        here = sorted(one.name + "/" * one.is_dir() for one in Path().glob("[!.]*") if one.name.startswith(incomplete))
+        return [CompletionItem(name) for name in (*names, *here)]
 
 
 class FiniteRange(click.FloatRange):

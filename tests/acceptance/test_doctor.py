@@ -151,23 +151,45 @@ def completed(*words: str) -> list[tuple[str, str]]:
     return [(one.type, one.value) for one in made]
 
 
-def test_commands_options_and_cases_complete() -> None:
-    """Offer commands, options, bundled cases, and leave paths to the shell."""
+def test_commands_options_and_cases_complete(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Offer commands, options and bundled cases beside what begins so here; leave other paths to the shell."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "open_loop").mkdir()
+    (tmp_path / "opened.csv").touch()
+    (tmp_path / ".open").touch()
     assert ("plain", "diagnose") in completed("diag")
     assert ("plain", "--quiet") in completed("diagnose", "--qu")
-    offered = completed("check", "open_")
-    assert ("plain", "open_ball_beam") in offered
-    assert "file" in {kind for kind, _ in offered}
+    offered = [("plain", name) for name in ("open_ball_beam", "open_loop/", "opened.csv")]
+    assert completed("check", "open") == offered
+    assert completed("check", "open_loop/re")[0][0] == "file"
     assert completed("predict", "reports/my")[0][0] == "file"
 
 
-def test_bash_completes_through_its_protocol() -> None:
-    """Answer the question that the script for bash asks."""
-    asked = {"COMP_WORDS": "harness check paper", "COMP_CWORD": "2", "_HARNESS_COMPLETE": "bash_complete"}
-    done = subprocess.run(
-        [sys.executable, "-m", "harness"], env=os.environ | asked, capture_output=True, text=True, check=False
+@pytest.mark.parametrize(
+    ("word", "offered"), [("paper", "paper_protocol"), ("o", "open_ball_beam our_rig/"), ("our_rig/", "")]
+)
+def test_bash_offers_what_it_is_given(tmp_path: Path, word: str, offered: str) -> None:
+    """Complete a word in bash by the script itself; an empty offer is one that bash makes of paths."""
+    (tmp_path / "our_rig").mkdir()
+    (tmp_path / "bin").mkdir()
+    command = tmp_path / "bin/harness"
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m harness "$@"\n', encoding="utf-8")
+    command.chmod(0o755)
+    # compopt is for bash alone while it completes; here it only would say that this is no completion.
+    script = (
+        f'compopt() {{ :; }}; eval "$(harness completion bash)"; COMP_WORDS=(harness check {word}); COMP_CWORD=2; '
+        '_harness_completion harness; echo "${COMPREPLY[*]}"'
     )
-    assert "plain,paper_protocol" in done.stdout.splitlines()
+    path = f"{command.parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip().splitlines() == ([offered] if offered else [])
 
 
 def test_no_colour_where_it_is_not_wanted(tmp_path: Path) -> None:
