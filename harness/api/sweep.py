@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import time
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -60,8 +61,11 @@ class Sweep(Summarised):
     @property
     def failed_sources(self) -> tuple[str, ...]:
         """Models and engines of which no run succeeded."""
-        good = {one.source for one in self.results.best}
-        return tuple(one for one in self.plan.spec.sources if one not in good)
+        failed = Counter[str]()
+        for one in self.results.failures:
+            failed[one.source] += one.runs
+        runs = {name: len(self.plan.recordings) * len(self.plan.designs[name]) for name in self.plan.spec.sources}
+        return tuple(name for name, count in runs.items() if failed[name] == count)
 
     def summary(self) -> Summary:
         """Number of runs, best fits, work and precision, failures."""

@@ -48,16 +48,17 @@ class WorkPrecision:
 
 @dataclass(frozen=True)
 class Best:
-    """The combination of values with the smallest RMS error against the measurement, over all recordings.
+    """The combination of values with the smallest RMS error against the measurement, over recordings.
 
     Attributes:
         source: model or engine.
         point: its number.
         run: number of its run on the first recording.
-        error: RMS over all recordings [m].
+        error: RMS over the recordings [m].
         largest: the same of the combination with the largest error [m].
         values: of the factors that the sweep varies.
-        candidates: combinations that failed on no recording.
+        candidates: combinations that failed on none of the recordings.
+        recordings: how many these are: all but those on which every combination failed.
     """
 
     source: str
@@ -67,6 +68,7 @@ class Best:
     largest: float
     values: dict[str, Any]
     candidates: int
+    recordings: int
 
 
 @dataclass(frozen=True)
@@ -153,22 +155,27 @@ def _cost(source: str, step: float | None, rows: pd.DataFrame) -> WorkPrecision:
     )
 
 
-def _over_recordings(rows: pd.DataFrame, output: str, plan: Plan) -> pd.Series:
-    """Root mean square of an output over all recordings, by point; NaN where it failed on any of them."""
+def _over_recordings(rows: pd.DataFrame, output: str, plan: Plan) -> tuple[pd.Series, int]:
+    """Root mean square of an output over recordings, by point, NaN where it failed on any of them; their number.
+
+    A recording on which every point failed says nothing of any of them, and is left out.
+    """
+    usable = int((rows.loc[rows[output].notna(), "run"] // plan.per_recording).nunique())
     squares = (rows[output] ** 2).groupby(rows["point"])
-    return np.sqrt(squares.mean().where(squares.count() == len(plan.recordings)))
+    return np.sqrt(squares.mean().where(squares.count() == usable)), usable
 
 
 def _best(rows: pd.DataFrame, plan: Plan) -> Iterator[Best]:
     for source, own in _of_sources(rows, plan):
-        errors = _over_recordings(own, MEASURED, plan).dropna()
+        errors, recordings = _over_recordings(own, MEASURED, plan)
+        errors = errors.dropna()
         if errors.empty:
             continue
         point = int(errors.index.to_numpy()[errors.to_numpy().argmin()])
         run = int(own.loc[own["point"] == point, "run"].min())
         varied = {one.name for one in plan.spec.factors[source] if one.varied}
         values = {name: value for name, value in plan.run(run).values.items() if name in varied}
-        yield Best(source, point, run, float(errors.min()), float(errors.max()), values, len(errors))
+        yield Best(source, point, run, float(errors.min()), float(errors.max()), values, len(errors), recordings)
 
 
 def _failures(rows: pd.DataFrame, file: Path, plan: Plan) -> Iterator[Failing]:
@@ -190,7 +197,8 @@ def _indices(rows: pd.DataFrame, plan: Plan) -> Iterator[Indices]:
         for output in OUTPUTS:
             if source == CAM_SOURCE and output == CAM_ERROR:
                 continue
-            values = _over_recordings(own, output, plan).reindex(range(len(design))).to_numpy(dtype=np.float64)
+            errors, _ = _over_recordings(own, output, plan)
+            values = errors.reindex(range(len(design))).to_numpy(dtype=np.float64)
             for block in range(len(design) // count):
                 listed = {
                     name: value

@@ -31,7 +31,15 @@ def table(subject: Subject) -> Table:
             ", ".join(f"`{name}` = {subject.value(value)}" for name, value in one.values.items()) or "nothing varied"
         )
         rows.append(
-            (label_of(one.source), length(one.error), length(one.largest), values, str(one.run), str(one.candidates))
+            (
+                label_of(one.source),
+                length(one.error),
+                length(one.largest),
+                values,
+                str(one.run),
+                str(one.candidates),
+                str(one.recordings),
+            )
         )
     columns = [
         *texts("model or engine"),
@@ -40,5 +48,6 @@ def table(subject: Subject) -> Table:
         *texts("values of the smallest"),
         "run",
         "tried",
+        "recordings",
     ]
     return Table("", columns, rows)
