@@ -177,7 +177,7 @@ class LoadedDiagnosis(Summarised):
         rows = [
             (f"`{one.name}`", f"`{key}`", number(each.value, 4), _interval(each.interval), each.unit, rivals)
             for one in self.record.effects
-            for rivals in [", ".join(one.indistinguishable_from) or "nothing"]
+            for rivals in [", ".join(map(" + ".join, one.rivals)) or "nothing"]
             for key, each in one.parameters.items()
         ]
         columns = [*texts("effect", "parameter"), "value", "95 % interval", *texts("unit", "not to be told from")]

@@ -193,7 +193,7 @@ def _next_experiment(identified: Identification, length: float | None, progress:
     progress("design of the next experiment")
     problem, found = identified.problem, identified.found
     if identified.verdict in (Verdict.EFFECT, Verdict.UNLISTED):
-        rivals = {effect.name: effect.indistinguishable_from for effect in identified.effects}
+        rivals = {effect.name: effect.rivals for effect in identified.effects}
         pairs = pairs_of(found, identified.ledger, rivals, Criterion(problem.settings))
         return choose_to_discriminate(problem, found, pairs, length=length) if pairs else None
     return choose_to_detect(problem, found, identified.unseen, length=length) if identified.unseen else None

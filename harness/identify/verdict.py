@@ -12,6 +12,7 @@ from harness.identify.estimate.covariance import with_interval_covariance
 from harness.identify.estimate.fit import TWO_SIDED, Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
+from harness.identify.record.rivals import rival_sets
 from harness.identify.selection.candidates import candidates, selected_effects
 from harness.identify.selection.criterion import Criterion, same_laws
 from harness.identify.selection.decision import Rule
@@ -45,6 +46,8 @@ class IdentifiedEffect:
 
     `by_recording` has the value in each recording of an effect that differs between them; else it is empty.
     `implausible` names the parameters whose value is outside the usual range: the effect may stand for something else.
+    `together` has the sets of effects that are indistinguishable from it only together; `indistinguishable_from` has
+    their names, too.
     """
 
     name: str
@@ -52,6 +55,12 @@ class IdentifiedEffect:
     indistinguishable_from: tuple[str, ...]
     by_recording: Mapping[str, Estimate] = field(default_factory=dict)
     implausible: tuple[str, ...] = ()
+    together: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def rivals(self) -> tuple[tuple[str, ...], ...]:
+        """What is indistinguishable from it: single effects, then sets of them."""
+        return rival_sets(self.indistinguishable_from, self.together)
 
 
 @dataclass(frozen=True)
@@ -150,12 +159,16 @@ def _identified(problem: Problem, name: str, found: Fit, ledger: Sequence[Line])
         value = acting.values[parameter.name]
         half = TWO_SIDED * float(deviations[name, parameter.name])
         parameters[parameter.name] = Estimate(value, value - half, value + half, parameter.unit)
-    rivals = _rivals(name, found, ledger, Criterion(problem.settings)) | _same(problem, name, found)
+    sets = _rivals(name, found, ledger, Criterion(problem.settings))
+    sets |= {frozenset({same}) for same in _same(problem, name, found)}
+    alone = {one for rivals in sets if len(rivals) == 1 for one in rivals}
+    together = sorted(tuple(sorted(rivals)) for rivals in sets if len(rivals) > 1 and not rivals & alone)
     implausible = tuple(
         one.name for one in acting.effect.parameters if not one.plausible(acting.values[one.name], problem.rig)
     )
     each = _by_recording(acting.effect, found)
-    return IdentifiedEffect(name, parameters, tuple(sorted(rivals)), each, implausible)
+    named = tuple(sorted(alone.union(*together)))
+    return IdentifiedEffect(name, parameters, named, each, implausible, tuple(together))
 
 
 def _by_recording(effect: Effect, found: Fit) -> dict[str, Estimate]:
@@ -170,17 +183,17 @@ def _by_recording(effect: Effect, found: Fit) -> dict[str, Estimate]:
     }
 
 
-def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> set[str]:
-    """Effects indistinguishable from `name`: tried in its place, or replaced by it in a split or merge."""
-    rest = set(found.hypothesis.names) - {name}
-    rivals: set[str] = set()
+def _rivals(name: str, found: Fit, ledger: Sequence[Line], criterion: Criterion) -> set[frozenset[str]]:
+    """Sets of effects indistinguishable from `name`: tried in its place, or replaced by it in a split or merge."""
+    names = frozenset(found.hypothesis.names)
+    rivals: set[frozenset[str]] = set()
     for line in ledger:
-        if set(line.beside) == rest and name not in line.effects and criterion.rivals(line.fit, found):
-            rivals |= set(line.effects)
+        if set(line.beside) == names - {name} and name not in line.effects and criterion.rivals(line.fit, found):
+            rivals.add(frozenset(line.effects) - names)
         replaced = line.kept and line.rule in (Rule.SPLIT, Rule.MERGE) and name in line.effects
         if replaced and criterion.rivals(line.against, found):
-            rivals |= set(line.against.hypothesis.names)
-    return rivals - set(found.hypothesis.names)
+            rivals.add(frozenset(line.against.hypothesis.names) - names)
+    return rivals - {frozenset()}
 
 
 def _same(problem: Problem, name: str, found: Fit) -> set[str]:

@@ -28,7 +28,7 @@ def test_a_diagnosis_keeps_its_contract(process: Harness, tmp_path: Path) -> Non
     assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(found)
     assert (found["schema"], found["verdict"], found["unlisted"]) == (3, "effect", None)
     (effect,) = found["effects"]
-    assert set(effect) == {"name", "parameters", "indistinguishable_from", "by_recording", "implausible"}
+    assert set(effect) == {"name", "parameters", "indistinguishable_from", "by_recording", "implausible", "together"}
     assert effect["name"] == "rolling_resistance"
     size = effect["parameters"]["coefficient"]
     assert set(size) == PARAMETER

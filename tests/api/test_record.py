@@ -273,6 +273,13 @@ def test_other_programs_find_what_they_read() -> None:
     assert {"schema", "verdict", "effects", "unlisted", "errors", "ledger", "inputs"} <= set(schema["properties"])
     assert parts["UnlistedRecord"] == {"depends_on", "shape"}
     assert parts["ParameterRecord"] == {"value", "low", "high", "unit"}
-    assert parts["EffectRecord"] == {"name", "parameters", "indistinguishable_from", "by_recording", "implausible"}
+    assert parts["EffectRecord"] == {
+        "name",
+        "parameters",
+        "indistinguishable_from",
+        "by_recording",
+        "implausible",
+        "together",
+    }
     assert {"identify", "heldout", "engines"} <= parts["AllErrorsRecord"]
     assert {"effect", "kept", "because"} <= parts["LedgerLine"]

@@ -67,6 +67,16 @@ def test_two_effects_and_a_rival(plain: Posed) -> None:
     )
 
 
+def test_rivals_that_act_together_are_said_to(plain: Posed) -> None:
+    """Name effects that explain as much only together as a pair, and those that do alone before it."""
+    pair = ("level_error", "rolling_resistance")
+    rivals = (*pair, "stribeck_friction")
+    level = IdentifiedEffect("level_error", LEVEL.parameters, rivals, together=(pair,))
+    assert level.rivals == (("stribeck_friction",), pair)
+    told = said(plain, Verdict.EFFECT, (level,))
+    assert "(indistinguishable from stribeck friction or level error and rolling resistance together)" in told
+
+
 def test_a_bending_that_shaking_would_do_is_called_so(plain: Posed) -> None:
     """Say of a beam that hardly bends that one which shakes does as much, and nothing of one that bends."""
 

@@ -128,12 +128,12 @@ def choose_to_detect(
 
 
 def pairs_of(
-    found: Fit, ledger: Sequence[Line], indistinguishable: Mapping[str, Sequence[str]], criterion: Criterion
+    found: Fit, ledger: Sequence[Line], rivals: Mapping[str, Sequence[tuple[str, ...]]], criterion: Criterion
 ) -> list[RivalPair]:
     """Rivals of `found`: those indistinguishable from its effects, or else the one of lowest criterion.
 
     Args:
-        indistinguishable: the identified effects, each with its rivals.
+        rivals: the identified effects, each with the sets of effects that are indistinguishable from it.
     """
 
     def pair(name: str, rival: str, fits: Sequence[Fit]) -> RivalPair:
@@ -141,12 +141,12 @@ def pairs_of(
         return RivalPair(name, rival, nearest, criterion.rival_separation(nearest, found))
 
     pairs = []
-    for name, rivals in indistinguishable.items():
+    for name, sets in rivals.items():
         rest = set(found.hypothesis.names) - {name}
-        for rival in rivals:
-            fits = [line.fit for line in ledger if rival in line.effects and set(line.beside) == rest]
+        for rival in sets:
+            fits = [line.fit for line in ledger if set(rival) <= set(line.effects) and set(line.beside) == rest]
             if fits:  # an effect replaced in a split was never tried beside the other of the pair
-                pairs.append(pair(name, rival, fits))
+                pairs.append(pair(name, " + ".join(rival), fits))
     tried = (line.fit for line in ledger)
     others = [
         one

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from harness.identify.record.parts import Finite, Number, Positive, RecordPart
+from harness.identify.record.rivals import rival_sets
 
 DependsName = Literal["position", "velocity", "angle", "roll_angle", "time"]
 
@@ -29,7 +30,7 @@ class EffectRecord(RecordPart):
     """An identified effect; `effect["coefficient"]` is its parameter of that name.
 
     `by_recording` has its value in each recording where these differ. `implausible` names the parameters whose value is
-    outside the usual range.
+    outside the usual range. `together` has the sets of effects that are indistinguishable from it only together.
     """
 
     name: str
@@ -37,6 +38,12 @@ class EffectRecord(RecordPart):
     indistinguishable_from: tuple[str, ...]
     by_recording: dict[str, ParameterRecord] = Field(default={})
     implausible: tuple[str, ...] = ()
+    together: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def rivals(self) -> tuple[tuple[str, ...], ...]:
+        """What is indistinguishable from it: single effects, then sets of them."""
+        return rival_sets(self.indistinguishable_from, self.together)
 
     def __getitem__(self, parameter: str) -> ParameterRecord:
         return self.parameters[parameter]

@@ -67,7 +67,7 @@ def _glance(account: Account) -> list[tuple[str, str, str]]:
 
 
 def _nearest(account: Account) -> str:
-    """The effect that comes closest to what was found with as many others beside it, or the other spline term."""
+    """What comes closest to what was found: as many other effects, any that are not told from it, a spline term."""
     found, criterion = account.diagnosis.found, Criterion(account.diagnosis.problem.settings)
     if found.estimator is Estimator.FREE_RUNS:
         return "chosen by held-out errors, which the ledger lists: likelihoods of fits to free runs are not compared"
@@ -78,7 +78,9 @@ def _nearest(account: Account) -> str:
         if one.kept or one.rule in (Rule.REFINE, Rule.ABSORB):
             return False
         if ours.spline is None or theirs.spline is None:
-            return ours.spline is theirs.spline and len(theirs.names) == len(ours.names) and theirs != ours
+            mine, its = set(ours.names), set(theirs.names)
+            comparable = len(its) == len(mine) or criterion.rivals(one.fit, found)
+            return ours.spline is theirs.spline and comparable and not (its <= mine or mine <= its)
         return theirs.spline.kind != ours.spline.kind
 
     others = [one for one in account.diagnosis.ledger if other(one)]
@@ -108,7 +110,7 @@ def _found(account: Account) -> Table:
     else:
         within = f"{settings.rival:g} in BIC"
     for one in account.diagnosis.effects:
-        rivals = ", ".join(one.indistinguishable_from) or f"nothing within {within}"
+        rivals = ", ".join(map(" + ".join, one.rivals)) or f"nothing within {within}"
         for key, estimate in (*one.parameters.items(), *one.by_recording.items()):
             value, low, high, unit = astuple(estimate)
             first = key == next(iter(one.parameters))

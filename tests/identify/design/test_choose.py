@@ -189,13 +189,13 @@ def test_rivals_are_those_that_are_not_told_apart(radius: Short) -> None:
             (LEVEL, both, radius.found),
         )
     ]
-    (asked,) = pairs_of(radius.found, entries, {RADIUS: (LEVEL,)}, Criterion())
+    (asked,) = pairs_of(radius.found, entries, {RADIUS: ((LEVEL,),)}, Criterion())
     assert (asked.found, asked.rival, asked.fit) == (RADIUS, LEVEL, level)
     (nearest,) = pairs_of(radius.found, entries, {RADIUS: ()}, Criterion())
     assert (nearest.found, nearest.rival, nearest.fit) == (RADIUS, GAIN, radius.rival)
     assert nearest.needed == pytest.approx(math.sqrt(DEFAULT.rival))  # as many numbers as the found one
     assert pairs_of(radius.found, entries[:1], {}, Criterion()) == []
-    assert pairs_of(radius.found, entries, {RADIUS: ("track_bump",)}, Criterion()) == [
+    assert pairs_of(radius.found, entries, {RADIUS: (("track_bump",),)}, Criterion()) == [
         nearest
     ]  # never tried in its place
 
@@ -221,7 +221,7 @@ def test_deviances_of_fits_to_free_runs_tell_nothing_of_the_present_recordings(r
         replace(one, estimator=Estimator.FREE_RUNS, held_out=(0.01,)) for one in (radius.found, radius.rival)
     )
     far = replace(rival, deviance=found.deviance - 1e6)
-    (pair,) = pairs_of(found, [tried(GAIN, far, found)], {RADIUS: (GAIN,)}, Criterion())
+    (pair,) = pairs_of(found, [tried(GAIN, far, found)], {RADIUS: ((GAIN,),)}, Criterion())
     assert pair.needed == pytest.approx(math.sqrt(6.0))
     proposal = choose_to_discriminate(radius.problem, found, [pair])
     assert proposal is not None
