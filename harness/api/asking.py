@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import shlex
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from harness.errors import InputError
 from harness.importing import Ambiguity, Choice, Options, SourceFile, Understood, understand
@@ -15,8 +17,8 @@ _NO = "no "
 
 def understood_with(
     ask: Ask | None, group: tuple[SourceFile, ...], options: Options
-) -> tuple[Understood, tuple[str, ...]]:
-    """The recording, and what was asked and answered, as options of the command.
+) -> tuple[Understood, tuple[str, ...], Options]:
+    """The recording, what was asked and answered, as options of the command, and all options with the answers.
 
     An answer holds for this recording: the next one may have other names, units and signs.
 
@@ -28,7 +30,7 @@ def understood_with(
     before: tuple[Ambiguity, Choice, Options] | None = None  # the last question that was answered in writing
     while True:
         try:
-            return understand(group, options), tuple(answers.values())
+            return understand(group, options), tuple(answers.values()), options
         except Ambiguity as ambiguity:
             question = ambiguity
         except InputError as error:
@@ -45,6 +47,46 @@ def understood_with(
         before = None if question.choices else (question, answer, options)
         options = new
         answers[answer.typed.removeprefix(_NO).split()[0]] = answer.typed
+
+
+def as_before(kept: Mapping[str, Any], ask: Ask | None, used: list[str]) -> Ask:
+    """Answers that an earlier recording of the same case needed, where they are possible for this one; else `ask`.
+
+    Args:
+        kept: options with which it was imported.
+        ask: answers the others; `None` if nobody does.
+        used: is given what was answered so, as options of the command.
+    """
+
+    def answer(ambiguity: Ambiguity) -> Choice:
+        said = _kept_choice(kept, ambiguity)
+        if said is not None and said.typed not in used:
+            used.append(said.typed)
+            return said
+        if ask is None:
+            raise ambiguity
+        return ask(ambiguity)
+
+    return answer
+
+
+def _kept_choice(kept: Mapping[str, Any], ambiguity: Ambiguity) -> Choice | None:
+    """The choice that was made before: the same one, its column with a gain, or a text that the advice asks for."""
+    for choice in ambiguity.choices:
+        if choice.options and all(kept.get(name) == value for name, value in choice.options.items()):
+            return choice
+    for choice in ambiguity.choices:
+        for name, value in choice.options.items():
+            if isinstance(value, str) and str(kept.get(name, "")).startswith(f"{value}:"):
+                return _typed(name, kept[name])
+    for name in ("linkage", "rate"):
+        if name in kept and f"--{name}" in str(ambiguity):
+            return _typed(name, kept[name])
+    return None
+
+
+def _typed(name: str, value: Any) -> Choice:
+    return Choice({name: value}, f"--{name} {shlex.quote(str(value))}", "as before")
 
 
 def changed(answers: Sequence[str]) -> str:

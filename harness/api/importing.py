@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from analytic.naming import did_you_mean
-from harness.api.asking import Ask, changed, repeated, understood_with
+from harness.api.asking import Ask, as_before, changed, repeated, understood_with
 from harness.api.case import Case, load_case
 from harness.api.outputs import sealed_json
 from harness.api.writing import all_or_nothing, hashes_of, settle, written
@@ -46,6 +46,7 @@ class Imported(Summarised):
         case: as it was loaded from the folder.
         answers: what was asked and answered, as options of the command, by the name of the file in the case.
         role: of the recordings in the case, `identify` or `predict`.
+        as_before: what was answered as for the recording that the case had last, by the name of the file in the case.
     """
 
     folder: Path
@@ -53,6 +54,7 @@ class Imported(Summarised):
     case: Case
     answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     role: Role = "identify"
+    as_before: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def summary(self) -> Summary:
         """Columns, evidence, what to do next."""
@@ -69,6 +71,8 @@ class Imported(Summarised):
             lines += [f"{name}: rate {one.rate}", f"{name}: sign {one.sign}"]
             lines += [f"{name}: negated: {' and '.join(one.flipped)}"] if one.flipped else []
             lines += [f"{name}: note: {note}" for note in one.notes]
+            said = self.as_before.get(name)
+            lines += [f"{name}: as the last recording of the case: {' '.join(said)}"] if said else []
         lines.append(f"{' and '.join(self.recordings)}: {ROLES[self.role]}")
         lines += [str(one) for one in warnings_of(self.case.findings)]
         lines += self._again()
@@ -80,13 +84,17 @@ class Imported(Summarised):
 
     def _again(self) -> list[str]:
         """What asks nothing the next time: one text for all files only where all were answered alike."""
-        if len(set(self.answers.values())) == 1:
-            (shared,) = set(self.answers.values())
+        asked = {
+            name: tuple(one for one in answers if one not in self.as_before.get(name, ()))
+            for name, answers in self.answers.items()
+        }
+        if len(set(asked.values())) == 1:
+            (shared,) = set(asked.values())
             return [f"to import it again without questions, {changed(shared)}"] if shared else []
         return [
             f"{name}: to import {' and '.join(one.path.name for one in self.recordings[name].sources)} again without "
             f"questions, in a command of its own, {changed(answers)}"
-            for name, answers in self.answers.items()
+            for name, answers in asked.items()
             if answers
         ]
 
@@ -173,20 +181,24 @@ def import_recording(
         time, angle, position, rate, flip_angle, flip_position, keep_signs, linkage, quantities, tuple(where)
     )  # fmt: skip
     sources = [read_file(path) for path in paths]
-    understood = []
-    answered = []
+    kept = {} if into is None else _kept_options(Path(into))
+    understood, answered, chosen, like = [], [], [], []
     for group in [tuple(sources)] if join else [(one,) for one in sources]:
-        one, answers = understood_with(ask, group, options)
+        used: list[str] = []
+        one, answers, all_options = understood_with(as_before(kept, ask, used) if kept else ask, group, options)
         understood.append(one)
         answered.append(answers)
+        chosen.append(all_options)
+        like.append(tuple(used))
     command = repeated(command, [one.sources[0].path.name for one in understood], answered)
     if into is not None:
         folder = Path(into)
-        recordings = _add(folder, understood, paths, role=role, command=command)
+        recordings = _add(folder, understood, chosen, paths, role=role, command=command)
     else:
         folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
-        recordings = _write(folder, understood, paths, quantities, origin=origin, command=command, force=force)
-    return Imported(folder, recordings, load_case(folder), dict(zip(recordings, answered, strict=True)), role)
+        recordings = _write(folder, understood, chosen, paths, quantities, origin=origin, command=command, force=force)
+    answers_by, like_by = (dict(zip(recordings, one, strict=True)) for one in (answered, like))
+    return Imported(folder, recordings, load_case(folder), answers_by, role, like_by)
 
 
 def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:
@@ -203,6 +215,7 @@ def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:
 def _write(
     folder: Path,
     understood: Sequence[Understood],
+    options: Sequence[Options],
     inputs: Sequence[Path],
     rig: Mapping[str, Mapping[str, float]],
     *,
@@ -217,13 +230,18 @@ def _write(
             _put(scratch / name, recording_text(one))
         _put(scratch / RIG_FILE, rig_text(recordings, rig, origin=origin, command=command))
         _check(scratch, folder, understood)
-        entries = [recording_record(name, one) for name, one in recordings.items()]
-        _put(scratch / FILE, _record(entries, hashes_of(scratch), command))
+        _put(scratch / FILE, _record(_new_entries(recordings, options), hashes_of(scratch), command))
     return recordings
 
 
 def _add(
-    folder: Path, understood: Sequence[Understood], inputs: Sequence[Path], *, role: Role, command: str
+    folder: Path,
+    understood: Sequence[Understood],
+    options: Sequence[Options],
+    inputs: Sequence[Path],
+    *,
+    role: Role,
+    command: str,
 ) -> dict[str, Understood]:
     """Add recordings to an existing case; its own files stay, but for the list in its `rig.toml`."""
     file = folder / RIG_FILE
@@ -244,7 +262,7 @@ def _add(
         _put(scratch / RIG_FILE, text)
         hashes = dict(written(folder / FILE))
         hashes.pop(FILE, None)
-        entries = [*before, *(recording_record(name, one) for name, one in recordings.items())]
+        entries = [*before, *_new_entries(recordings, options)]
         _put(scratch / FILE, _record(entries, hashes | hashes_of(scratch), command))
     return recordings
 
@@ -255,6 +273,26 @@ def _entries(folder: Path) -> list[dict[str, Any]]:
         return []
     content = json.loads((folder / FILE).read_text(encoding="utf-8"))
     return list(content.get("recordings", []))
+
+
+def _new_entries(recordings: Mapping[str, Understood], options: Sequence[Options]) -> list[dict[str, Any]]:
+    """How recordings were understood, with what was chosen for each."""
+    return [
+        {**recording_record(name, one), "options": _given(each)}
+        for (name, one), each in zip(recordings.items(), options, strict=True)
+    ]
+
+
+def _given(options: Options) -> dict[str, Any]:
+    """The options that are not as they are by themselves; those on the rig are in rig.toml."""
+    given = {one.name: getattr(options, one.name) for one in fields(options) if one.name != "rig"}
+    return {name: value for name, value in given.items() if value != getattr(Options(), name)}
+
+
+def _kept_options(folder: Path) -> dict[str, Any]:
+    """Options with which the last recording of a case was imported; none where it was not."""
+    entries = _entries(folder)
+    return dict(entries[-1].get("options", {})) if entries else {}
 
 
 def _check(scratch: Path, folder: Path, understood: Sequence[Understood]) -> None:

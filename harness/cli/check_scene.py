@@ -42,6 +42,7 @@ def check_scene(case: Path, direction: str | None, out: Path | None, force: bool
     """
     from harness.api.outputs import to_json
     from harness.api.scene import check_scene as check
+    from harness.engines.own_scene.checks import Status
 
     turn = None if direction is None else int(direction)
     made = check(case, direction=turn, progress=not is_quiet(), **names)
@@ -50,9 +51,11 @@ def check_scene(case: Path, direction: str | None, out: Path | None, force: bool
     if as_json:
         click.echo(to_json(made.record()))
     else:
-        for engine, checks in () if is_quiet() else made.checks.items():
-            click.echo(f"{engine}:")
-            for one in checks:
+        for engine, checks in made.checks.items():
+            told = [one for one in checks if not is_quiet() or one.status is Status.ERROR]
+            if told:
+                click.echo(f"{engine}:")
+            for one in told:
                 click.echo(f"  {one.status.value:7} {one.name}: {one.text}")
         click.echo(made.sentence)
     sys.exit(0 if made.fit else 1)

@@ -13,10 +13,11 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
+from multiprocessing.resource_tracker import ensure_running
 from typing import Any
 
 from harness.errors import HarnessError
@@ -138,12 +139,29 @@ def _begun(function: Callable[[Any], Any]) -> _Worker:
     ours, theirs = context.Pipe()
     process = context.Process(target=_work, args=(function, theirs, os.getpid()), daemon=True)
     try:
-        with single_threaded():
+        with single_threaded(), _without_interrupts():
             process.start()
     except OSError as error:
         raise HarnessError(f"no further process can be started ({error.strerror}); use fewer of them") from error
     theirs.close()
     return _Worker(process, ours)
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back; a process that starts meanwhile never gets one, not even while it imports what it needs.
+
+    The parent handles interrupts, and gets one that came meanwhile at the end.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    ensure_running()  # which else would be started meanwhile, and lets signals through at the end of that
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _work(function: Callable[[Any], Any], pipe: Connection, parent: int) -> None:

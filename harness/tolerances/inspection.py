@@ -16,7 +16,7 @@ from harness.engines.parameters import EngineParameters
 from harness.engines.protocol import Engine
 from harness.errors import EngineFailure, InputError
 from harness.recording import load_case
-from harness.recording.rig_changes import with_rig_changes
+from harness.recording.rig_changes import RIG_CHANGES, with_rig_changes
 from harness.tolerances.check import Checked, check, require
 from harness.tolerances.file import tolerances_for
 from harness.tolerances.limits import Limit, Tolerances
@@ -31,7 +31,8 @@ class Inspection:
         engines: engines to run, with their parameters.
         tolerances: limits to check.
         left_out: limits on engines excluded by the user.
-        tweaks: parameters that differ from their defaults, as in "mujoco.friction = 0.3 (default 0.5)".
+        tweaks: parameters that differ from their defaults, as in "mujoco.friction = 0.3 (default 0.5)"; quantities of
+            the rig that a settings file replaces.
     """
 
     setting: Setting
@@ -85,7 +86,10 @@ def inspect(
         engines=chosen,
         tolerances=kept,
         left_out=tuple(limit for limit in limits.limits if limit not in kept.limits),
-        tweaks=tuple(text for engine, values in chosen for text in _tweaks(engine, values)),
+        tweaks=(
+            *(text for engine, values in chosen for text in _tweaks(engine, values)),
+            *(f"{one.where} {one.text}" for one in case.findings if one.code == RIG_CHANGES),
+        ),
     )
 
 

@@ -166,6 +166,31 @@ def test_recordings_are_added_and_what_the_user_wrote_stays(tmp_path: Path) -> N
     assert [one["sources"][0]["name"] for one in record["recordings"]] == ["log.lvm", "vectors.mat"]
 
 
+@pytest.mark.parametrize("name", ["tek.csv", "scope.mat", "free.txt"])
+def test_what_was_told_of_one_recording_holds_for_the_next(tmp_path: Path, name: str) -> None:
+    """Answer what a file leaves open as for the last recording of the case, say so, and write the options down."""
+    assert import_of(name, tmp_path).exit_code == 0
+    done = call(tmp_path / name, "--into", tmp_path / "case")
+    assert done.exit_code == 0, done.stderr
+    options = made.FILES[name][1]
+    (said,) = (one for one in done.stdout.splitlines() if "as the last recording of the case" in one)
+    assert all(shlex.quote(one) in said for one in options)
+    assert "without questions" not in done.stdout
+    first, second = json.loads((tmp_path / "case" / "import.json").read_text())["recordings"]
+    told = dict(zip(options[::2], options[1::2], strict=True))
+    assert first["options"] == second["options"] == {name[2:]: value for name, value in told.items()}
+    angles = [one.angle for one in load_case(tmp_path / "case").recordings.values()]
+    np.testing.assert_array_equal(*angles)
+
+
+def test_a_file_that_says_more_is_not_read_as_the_last_one(tmp_path: Path) -> None:
+    """Take an angle by its own name where the last recording had to be told one."""
+    assert import_of("tek.csv", tmp_path).exit_code == 0
+    done = call(made.labview(tmp_path / "log.lvm"), "--into", tmp_path / "case")
+    assert done.exit_code == 0, done.stderr
+    assert "as the last recording" not in done.stdout
+
+
 @pytest.mark.parametrize("table", [True, False])
 def test_a_recording_is_added_to_be_held_out(tmp_path: Path, table: bool) -> None:
     """List it to predict and say so, also where rig.toml had no lists and all recordings were identified from."""

@@ -128,6 +128,14 @@ def test_a_case_without_limits_gets_those_of_the_package(pytester: pytest.Pytest
     result.stdout.fnmatch_lines(["limits: * (defaults of the package)", "kept  mujoco against_cam 2 s: *"])
 
 
+def test_a_settings_file_that_changes_the_rig_is_told(pytester: pytest.Pytester, make_case: MakeCase) -> None:
+    """Name the quantities of the rig that the table [rig] of a settings file replaces."""
+    settings = pytester.path / "tuned.toml"
+    settings.write_text("[rig]\nlevel_angle_rad = 1e-4\n", encoding="utf-8")
+    result = run(pytester, "--case", make_case(tolerances=LIMITS), "--parameters", settings)
+    result.stdout.fnmatch_lines(["set: tuned.toml replaces quantities of the rig *: level angle 0.0001."])
+
+
 def test_a_case_runs_alone_unless_tests_are_named(pytester: pytest.Pytester, make_case: MakeCase) -> None:
     """Leave the tests of the folder one stands in alone, and run them beside the limits where they are named."""
     pytester.makepyfile(test_mine="def test_mine(): pass")
