@@ -24,7 +24,8 @@ MEMORY_ASKED = 4e9
 _STEP = {"mujoco": 4e-5}
 _STEP_OTHER = 1.1e-4
 _DIAGNOSIS, _RECORDING, _READING = 20.0, 2.0, 0.005
-_TUNED_RUNS = 100.0  # a parameter: through all windows, for screening, fits and held-out blocks
+# Runs for a parameter that pays: screening, fits and held-out blocks, all windows; one that does not takes a tenth.
+_TUNED_RUNS = 100.0
 _HALF_AND_DOUBLE = 2.5
 """Runs at half and at double the time step, which tell the numerical error, in runs of the whole recording."""
 
@@ -49,7 +50,7 @@ def diagnosis_time(recordings: Sequence[Recording]) -> float:
     return _DIAGNOSIS + _RECORDING * len(recordings) + _READING * readings
 
 
-def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings: Mapping[str, Any]) -> float:
+def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings: Mapping[str, Any], jobs: int) -> float:
     """Time that tuning takes [s].
 
     Args:
@@ -57,12 +58,13 @@ def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings:
         free: how many parameters may be tuned.
         engine: to tune.
         settings: of it.
+        jobs: processes that run it; those of a step of a fit run side by side.
     """
     from harness.engines.catalogue import parameters_of
     from harness.tuning.estimate.windows import LENGTH, MOST
 
     steps = min(sum(durations), MOST * LENGTH) / parameters_of(engine, settings).time_step
-    return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER)
+    return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER) / max(jobs, 1)
 
 
 def ask(seconds: float, memory: float, remedy: str, *, yes: bool) -> None:

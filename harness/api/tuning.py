@@ -292,7 +292,8 @@ def tune(
 
             problem = problem_of(case)
             names = free_parameters(problem, chosen, fixed, free)
-            seconds = tuning_time([one.time[-1] - one.time[0] for one in problem.recordings], len(names), chosen, fixed)
+            durations = [one.time[-1] - one.time[0] for one in problem.recordings]
+            seconds = tuning_time(durations, len(names), chosen, fixed, jobs)
             used = [case.recordings[name] for name in case.identify]
             memory = tuning_memory(used, parameters_of(chosen, fixed).time_step, jobs)
             remedy = "set a longer time_step, free fewer parameters, or list fewer or shorter recordings"

@@ -1,4 +1,4 @@
-"""CAM on the same held-out blocks, without and with the effects that a diagnosis finds."""
+"""CAM on the same recordings: its level, its errors on held-out blocks without and with the effects of a diagnosis."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analytic.effects import LEVEL_ERROR
 from analytic.motion import FloatArray
 from harness.failures import Failures
 from harness.identify.estimate.block_errors import block_errors
+from harness.identify.estimate.fit import fit
+from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.record import DiagnosisRecord
 from harness.identify.verdict import identify
@@ -38,6 +41,15 @@ class CamErrors:
         """RMS errors over these blocks before and after [m]."""
         chosen = list(blocks)
         return rms(self.before[chosen]), rms(self.after[chosen])
+
+
+def level_of_cam(problem: Problem) -> float | None:
+    """The level angle with which CAM fits the readings best, by likelihood; `None` where it is declared [rad]."""
+    name = LEVEL_ERROR.name
+    if name in {one.effect.name for one in problem.declared}:
+        return None
+    found = fit(problem, Hypothesis(() if name in problem.unknown else (name,)))
+    return problem.rig.level_angle + found.values()[name, LEVEL_ERROR.parameters[0].name]
 
 
 def cam_of_search(problem: Problem, progress: Progress = silent, *, jobs: int = 1) -> CamErrors:

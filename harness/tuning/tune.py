@@ -16,6 +16,7 @@ from harness.identify.problem.problem import Problem
 from harness.jobs import Executor
 from harness.numerics import rms
 from harness.progress import Progress, Stage, silent
+from harness.tuning.cam import level_of_cam
 from harness.tuning.estimate.fit import run_through
 from harness.tuning.estimate.free import LEVEL, Free, Named, free_of, level_of
 from harness.tuning.estimate.runs import Model
@@ -128,13 +129,14 @@ def tune(
     failures = Failures()
     tried = [name for name in free if name != LEVEL]
     left_out: tuple[EngineFailure, ...] = ()
+    levelled = attempt(failures, Part.SEARCH, "level of CAM", lambda: level_of_cam(problem), None)
     try:
-        selection = select(model, windows, tried, Stage(progress, *_FITS))
+        selection = select(model, windows, tried, Stage(progress, *_FITS), levelled)
     except EngineFailure:
         windows, left_out = run_through(model, windows, {LEVEL: float(free[LEVEL].default or 0.0)})
         if not left_out:
             raise
-        selection = select(model, windows, tried, Stage(progress, *_FITS))
+        selection = select(model, windows, tried, Stage(progress, *_FITS), levelled)
     held_out = attempt(
         failures,
         Part.VALIDATION,

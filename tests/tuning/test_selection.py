@@ -46,3 +46,17 @@ def test_a_shorter_step_lets_the_friction_be_found(slipping: Problem) -> None:
     # within three half-widths: two recordings are one draw, and MuJoCo's friction law is not quite the plant's
     assert abs(made.selection.found.values["friction"] - 0.0085) < 1.5 * (high - low)
     assert "could not be tried" not in " ".join(sentences(made, None, "case"))
+
+
+@pytest.mark.slow
+def test_a_level_is_found_where_friction_stops_the_ball(tmp_path: Path) -> None:
+    """Begin at the level of CAM: from the given one, free runs that stop elsewhere end in another minimum."""
+    hidden, declared = {"level_error": {"angle": -0.0052}}, {"rolling_resistance": {"coefficient": 0.002}}
+    about = Experiment(hidden=hidden, declared=declared, duration=16.0, rate=50.0, predict=0, seed=502)
+    write_case(tmp_path / "case", about)
+    problem = problem_of(load_case(tmp_path / "case"))
+    made = tune(problem, engine_of("mujoco"), {"time_step": 4e-3}, ["rolling_friction"], jobs=2)
+    assert made.selection.pays == ("level_angle_rad",)
+    low, high = made.selection.found.interval("level_angle_rad")
+    assert abs(made.selection.found.values["level_angle_rad"] + 0.0052) < 1.5 * (high - low)
+    assert made.selection.found.misfit < 2.0

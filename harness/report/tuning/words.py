@@ -79,11 +79,13 @@ def left_as(tuned: Tuned, default: str) -> str:
 
 
 def value_text(tuned: Tuned, name: str) -> str:
-    """`friction` 0.0092 ± 0.0002: the value, with half the width of its 95 % interval."""
-    found = tuned.selection.found
+    """`friction` 0.0092 ± 0.0002: the value, with half the width of its 95 % interval; at a bound, that it is there."""
+    found, one = tuned.selection.found, tuned.model.free[name]
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    if found.at_bound(name):
+        return f"`{name}` {number(found.values[name], 4)}{unit}, at the end of the range tried"
     low, high = found.interval(name)
-    unit = tuned.model.free[name].unit
-    return f"`{name}` {measured(found.values[name], 0.5 * (high - low))}{'' if unit == '1' else f' {unit}'}"
+    return f"`{name}` {measured(found.values[name], 0.5 * (high - low))}{unit}"
 
 
 def _errors(tuned: Tuned, cam: CamErrors | None) -> list[str]:

@@ -214,6 +214,22 @@ class Objective:
         return rest
 
 
+def best_begin(model: Model, windows: Sequence[Stretch], free: Sequence[Free], begins: Sequence[Values]) -> Values:
+    """Of these first values the ones with the least deviance, with starts of least squares.
+
+    Args:
+        begins: values of the free parameters, at least one set.
+    """
+    objective = Objective(model, windows, free, {})
+    first = np.array([one.first_start() for one in windows]).ravel()
+
+    def deviance(values: Values) -> float:
+        x = np.concatenate(([one.scaled(values[one.name]) for one in free], first))
+        return deviance_of(objective.residual(objective.settled(x)))
+
+    return min(begins, key=deviance) if len(begins) > 1 else begins[0]
+
+
 def deviance_of(residual: FloatArray) -> float:
     """Twice the robust loss of whitened residuals, any shape."""
     return float(np.sum(2.0 * ROBUST**2 * (np.sqrt(1.0 + (residual / ROBUST) ** 2) - 1.0)))

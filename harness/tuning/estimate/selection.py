@@ -19,7 +19,7 @@ from harness.errors import EngineFailure
 from harness.formatting import number
 from harness.jobs import gathered
 from harness.progress import Progress, silent
-from harness.tuning.estimate.fit import Fitted, Objective, deviance_of, fit
+from harness.tuning.estimate.fit import Fitted, Objective, best_begin, deviance_of, fit
 from harness.tuning.estimate.free import LEVEL
 from harness.tuning.estimate.runs import Model, known_positions
 from harness.tuning.estimate.windows import Stretch
@@ -98,13 +98,20 @@ class Selection:
     pays: tuple[str, ...]
 
 
-def select(model: Model, windows: Sequence[Stretch], names: Sequence[str], progress: Progress = silent) -> Selection:
+def select(
+    model: Model,
+    windows: Sequence[Stretch],
+    names: Sequence[str],
+    progress: Progress = silent,
+    levelled: float | None = None,
+) -> Selection:
     """Select the parameters that pay, beginning with none.
 
     Args:
         model: with all that may be tuned.
         windows: to fit to.
         names: of the parameters to try, beside the level angle.
+        levelled: a level angle to begin from beside the given one, such as that of another model [rad].
 
     Raises:
         EngineFailure: the engine fails with its defaults.
@@ -112,7 +119,10 @@ def select(model: Model, windows: Sequence[Stretch], names: Sequence[str], progr
     level = model.free[LEVEL]
     given = {LEVEL: float(level.default or 0.0)}
     progress("engine at its defaults", share=0.0)
-    found = fit(model, windows, [level], given)
+    # Free runs over 10 s of a ball that friction stops at other places than the beam's true level would have many
+    # minima over the level; the filter, which follows the readings, has one.
+    begins = [given] if levelled is None else [given, {LEVEL: min(max(levelled, level.low), level.high)}]
+    found = fit(model, windows, [level], best_begin(model, windows, [level], begins))
     before = fit(model, windows, [], {}, found.starts, fixed=given)
     attempts: list[Attempt] = []
     screened: dict[str, Screened] = {}
