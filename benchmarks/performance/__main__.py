@@ -77,7 +77,7 @@ def measured(pairs: int, folder: Path, tell: Progress) -> tuple[list[Line], list
         lines.append(_of_diagnosis(pairs, _CASES / "viscous", folder))
     times, parts = commands.diagnoses(pairs, _CASES / "unlisted_wind", folder)
     title, about = "`harness diagnose` of the simulated case `unlisted_wind`", "Processor time of all processes."
-    reason = f"Where the time goes (medians of shares of the wall time): {parts}."
+    reason = _where(parts, _CASES / "unlisted_wind", folder)
     lines.append(Line(title, 10.0, True, tuple(times), about, unit="s", reason=reason))
     return lines, left_out
 
@@ -99,8 +99,9 @@ def _of_engines(pairs: int) -> list[Line]:
     beside = (
         "Beside the steps there are the grid, positions in the beam's frame, interpolation to the stamps, and health."
     )
-    extra = f"{beside} Shares of a run in a profile: {engines.profile('mujoco', 60.0)}."
-    of_pybullet = f"{beside} Shares of a run in a profile: {engines.profile('pybullet', 20.0)}."
+    shares = "Shares of a run in a profile, which slows Python's own functions down"
+    extra = f"{beside} {shares}: {engines.profile('mujoco', 60.0)}."
+    of_pybullet = f"{beside} {shares}: {engines.profile('pybullet', 20.0)}."
     force = "The velocity that the force is given is that at the instant, extrapolated; it is computed in Python."
     variants = (
         "64 runs of 10 s at 1 ms with as many coefficients of friction in two threads (`harness.engines.many`), all "
@@ -137,8 +138,18 @@ def _of_diagnosis(pairs: int, case: Path, folder: Path) -> Line:
         "each of them, baselines, two engines, report), against one fit of viscosity, level and start to one recording "
         "by `mujoco.sysid` (`benchmarks/growth/by_sysid.py`)."
     )
-    reason = f"Where the time goes (medians of shares of the wall time): {parts}."
+    reason = _where(parts, case, folder)
     return Line.times("`harness diagnose` over one fit of four parameters by `mujoco.sysid`", 1.0, made, about, reason)
+
+
+def _where(parts: str, case: Path, folder: Path) -> str:
+    """Where the time of a diagnosis goes, and what would have to be faster."""
+    functions = commands.functions_of(case, folder)
+    return (
+        f"Where the time goes (medians of shares of the wall time): {parts}. Processor time by samples of another run: "
+        f"{functions}. What limits it are the filter, compiled, over all readings for each parameter of each "
+        "hypothesis, and the engines' steps of 1 ms."
+    )
 
 
 if __name__ == "__main__":

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
+import subprocess
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -72,6 +74,14 @@ def parts_of(times: Iterable[Time]) -> str:
             shares.setdefault(part, []).append(seconds / one.wall)
     parts = sorted(((median(values), part) for part, values in shares.items()), reverse=True)
     return ", ".join(f"{part} {100.0 * share:.0f} %" for share, part in parts)
+
+
+def functions_of(case: Path, folder: Path) -> str:
+    """Shares of functions in the processor time of `harness diagnose`, in words, from a run of its own."""
+    command = [sys.executable, "-m", "benchmarks.performance.sampled", str(case), str(folder / "sampled")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    text: str = json.loads(done.stdout.splitlines()[-1])
+    return text
 
 
 def _seconds(taken: Time) -> dict[str, float]:

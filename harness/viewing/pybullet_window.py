@@ -26,7 +26,10 @@ _KEYS = {
 }
 _YAW, _PITCH = 5.0, -12.0  # of the camera, almost across the beam [deg]
 _DISTANCE = 0.52  # of the camera, in lengths of the beam
-_ABOVE, _BELOW, _LINE = 0.17, -0.045, 0.02  # height of texts above the beam's near end, and of a line [m]
+# Heights of texts above and below the edges, and of a line, in lengths of the beam.
+_ABOVE, _BELOW, _LINE = 0.24, -0.064, 0.029
+_NEAR = -0.08  # y of the lower texts, before the stand [m]
+_STAND_OPACITY = 0.35  # the balls are seen through it
 _TEXT_INTERVAL = 0.1  # between two changes of the text, which PyBullet draws anew each time [s]
 
 
@@ -89,11 +92,15 @@ class _Window:
             for joint in range(pybullet.getNumJoints(self.beam, client))
             if pybullet.getJointInfo(self.beam, joint, client)[1].decode() == PIVOT
         )
+        for _, link, *_, colour in pybullet.getVisualShapeData(self.beam, physicsClientId=client):
+            if link < self.pivot:  # of the base, which does not turn
+                faint = (*colour[:3], _STAND_OPACITY)
+                pybullet.changeVisualShape(self.beam, link, rgbaColor=faint, physicsClientId=client)
         self.ball = self._sphere(channel.ball_radius, (*ENGINE_COLOUR, 1.0))
         self.ghost = self._sphere(GHOST_SIZE * channel.ball_radius, (*GHOST_COLOUR, GHOST_OPACITY))
         self.texts: dict[int, int] = {}
         for number, (key, does) in enumerate(keys_told(len(playback.runs)), 1):
-            self._write(-number, f"{key}: {does}", (channel.centre, _BELOW - _LINE * number))
+            self._write(-number, f"{key}: {does}", channel.centre, _BELOW - _LINE * number, _NEAR)
 
     def place(self, player: Player, *, write: bool) -> None:
         """Put beam and balls where they are at the player's time; `write` renews the text, too."""
@@ -107,7 +114,7 @@ class _Window:
             pybullet.resetBasePositionAndOrientation(body, centre, turn, self.client)
         if write:
             for number, text in enumerate(plain_lines(self.playback, player, now)):
-                self._write(number, text, (self.playback.channel.x_from, _ABOVE - _LINE * number))
+                self._write(number, text, self.playback.channel.x_from, _ABOVE - _LINE * number)
 
     def _sphere(self, radius: float, colour: tuple[float, ...]) -> int:
         """A body that is drawn and touches nothing."""
@@ -116,9 +123,10 @@ class _Window:
         )
         return int(pybullet.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=self.client))
 
-    def _write(self, number: int, text: str, where: tuple[float, float]) -> None:
-        """Write or replace one line that begins at x and a height above the edges [m]."""
-        at: Vector = (where[0], 0.0, self.playback.channel.edge_height + where[1])
+    def _write(self, number: int, text: str, x: float, above: float, y: float = 0.0) -> None:
+        """Write or replace one line that begins at x and y [m], at a height above the edges in lengths of the beam."""
+        channel = self.playback.channel
+        at: Vector = (x, y, channel.edge_height + above * channel.length)
         replaced = {"replaceItemUniqueId": self.texts[number]} if number in self.texts else {}
         self.texts[number] = pybullet.addUserDebugText(
             text, at, (0.1, 0.1, 0.2), textSize=1.1, physicsClientId=self.client, **replaced

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,7 @@ from benchmarks.performance import engines, in_c
 from benchmarks.performance.commands import parts_of
 from benchmarks.performance.page import SECTION, Line, in_readme, page, summary, table
 from benchmarks.performance.pairs import Pair, pairs_of, spread
+from benchmarks.performance.sampled import sampled, shares
 from benchmarks.sections import marks
 from harness.engines.catalogue import engine_of, parameters_of
 
@@ -43,6 +47,31 @@ def test_each_time_is_kept_for_its_own_work() -> None:
 
     made = pairs_of(lambda: work(3.0), lambda: work(1.0), 5, lambda: now)
     assert [one.ratio for one in made] == [3.0] * 5
+
+
+def test_samples_are_of_threads_that_work() -> None:
+    """Count the function that works in any thread, and neither the one that waits for it nor idle workers."""
+
+    def busy() -> float:
+        end, total = time.thread_time() + 0.3, 0.0
+        while time.thread_time() < end:
+            total += 1.0
+        return total
+
+    def waiting() -> float:
+        with ThreadPoolExecutor(2) as pool:
+            return pool.submit(busy).result()
+
+    counts = sampled(waiting)
+    assert counts.most_common(1)[0][0] == "test_performance.busy"
+    # some samples are of the pool's own start and end
+    assert counts["test_performance.busy"] > 0.8 * sum(counts.values())
+
+
+def test_shares_are_of_all_processes() -> None:
+    """Divide what the process itself took by its samples, beside what those took that it forked."""
+    text = shares(Counter({"ekf.run": 3, "imports": 1}), 6.0, 2.0)
+    assert text == "25 % in processes of engines and pictures, 56 % in `ekf.run`, 19 % in `imports`"
 
 
 def test_spread_is_median_and_quartiles() -> None:
