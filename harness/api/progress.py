@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
 
+_LONGEST = 24 * 3600.0
+"""Of what is done, from whose mean speed the time left is told [s]."""
+
+
 @contextmanager
 def shown(progress: bool | Progress) -> Iterator[Progress]:
     """A `Progress` that shows on stderr what is being done, for as long as the context lasts.
@@ -61,6 +65,7 @@ def _bar(console: Console) -> Bar:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
         console=console,
+        speed_estimate_period=_LONGEST,  # else nothing is told of the time left in a step of more than half a minute
         auto_refresh=False,  # a thread that draws must not be forked (`harness.parallel`)
         transient=True,
         expand=True,

@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.console import Console
 
-from harness.api.progress import shown
+from harness.api.progress import _bar, shown
 from harness.errors import InputError
 from harness.progress import Stage
 
@@ -88,3 +88,17 @@ def test_a_stage_is_a_part_of_the_whole() -> None:
     assert shares[1] == pytest.approx(0.2)
     assert shares[1:] == sorted(shares[1:])
     assert 0.59 < shares[-1] < 0.6
+
+
+def test_the_time_left_is_told_in_long_steps() -> None:
+    """Tell it from the mean speed so far, also when nothing was done for minutes."""
+    clock = [0.0]
+    bar = _bar(Console(file=io.StringIO(), force_terminal=True))
+    bar.get_time = lambda: clock[-1]
+    task = bar.add_task("work", total=1.0)
+    for seconds, share in ((0.0, 0.1), (60.0, 0.2), (300.0, 0.2)):
+        clock.append(seconds)
+        bar.update(task, completed=share)
+    left = bar.tasks[task].time_remaining
+    assert left is not None
+    assert left >= 60.0 * (1.0 - 0.2) / 0.2
