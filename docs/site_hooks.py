@@ -15,6 +15,7 @@ from mkdocs.utils import get_relative_url
 from nbconvert import MarkdownExporter
 
 _UPWARDS = re.compile(r"\[([^\]]*)\]\(((?:\.\./)+[^)#]*)(#[^)]*)?\)")
+_FILE_NAME = re.compile(r"\[`?(?:docs/)?([\w/.-]+\.md)`?\]\(([\w/.-]+\.md)(#[^)]*)?\)")
 _NOTEBOOK = re.compile(r"\]\(([\w/.-]+)\.ipynb\)")
 # The theme takes this from another machine, for searching pages that are opened as files.
 _SHIM, _OWN_SHIM = "https://unpkg.com/iframe-worker/shim", "assets/iframe-worker/shim.js"
@@ -45,14 +46,20 @@ def _with_outputs(path: Path, executed: Path) -> nbformat.NotebookNode:
 
 
 def on_page_markdown(markdown: str, page: Page, files: Files, **_: Any) -> str:
-    """The page with links to notebooks leading to their pages, and those to files of the repository as text."""
+    """The page with links to notebooks leading to their pages, those to files of the repository as text, and titles."""
     here = posixpath.dirname(page.file.src_uri)
 
     def upwards(link: re.Match[str]) -> str:
         leaves = posixpath.normpath(posixpath.join(here, link[2])).startswith("..")
         return link[1] if leaves else link[0]  # the site has only the folder of documents
 
-    text = _NOTEBOOK.sub(r"](\1.md)", _UPWARDS.sub(upwards, markdown))
+    def titled(link: re.Match[str]) -> str:
+        """What a page is called, where a link only has the name of its file."""
+        file = files.get_file_from_path(posixpath.normpath(posixpath.join(here, link[2])))
+        heading = file.content_string.split("\n", 1)[0] if file is not None else ""
+        return f"[{heading[2:]}]({link[2]}{link[3] or ''})" if heading.startswith("# ") else link[0]
+
+    text = _FILE_NAME.sub(titled, _NOTEBOOK.sub(r"](\1.md)", _UPWARDS.sub(upwards, markdown)))
     if files.get_file_from_path(page.file.src_uri.replace(".md", ".ipynb")) is None:
         return text
     heading, rest = text.split("\n", 1)

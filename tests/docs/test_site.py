@@ -102,6 +102,25 @@ def test_the_site_searches_when_it_is_opened_as_files(site: Path, driver: Any) -
     assert any("tuning.html" in one.get_attribute("href") for one in links)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 400])
+@pytest.mark.parametrize("page", ["index", "tutorial", "import", "measured_rigs", "notebooks/measured_recording"])
+def test_pages_are_accessible(site: Path, driver: Any, page: str, width: int) -> None:
+    """Leave nothing serious for axe-core to find: names, contrast, links within text, scrolling by keyboard."""
+    browser.resize(driver, width)
+    driver.get((site / f"{page}.html").as_uri())
+    browser.settle(driver)
+    assert browser.findings(driver) == []
+
+
+@pytest.mark.slow
+def test_links_are_called_as_the_pages(site: Path) -> None:
+    """Name a page by its title where the source has the name of its file."""
+    for page in site.rglob("*.html"):
+        article = page.read_text(encoding="utf-8").split("<article", 1)[-1].split("</article>", 1)[0]
+        assert not re.findall(r"<a [^>]*>(?:docs/)?[\w/.-]+\.md</a>", article), page
+
+
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The names of docs/make_tutorial.py."""
