@@ -1,7 +1,8 @@
-"""`python -m benchmarks.sweep_growth`: memory, time and disk of sweeps by size, a table in docs/sweeps.md.
+"""`python -m benchmarks.sweep_growth`: memory, time and disk of sweeps by size, two tables in docs/sweeps.md.
 
-Each size is one command in a process of its own. Time is the processor time of everything over that of the bare runs
-alone, so that it holds for other machines.
+Each size is one command in a process of its own: so many runs of one recording, or 64 runs of each of so many
+recordings. Time is the processor time of everything, as such and over that of the bare runs alone, which holds for
+other machines.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ from pathlib import Path
 import click
 import pyarrow.parquet as pq
 
+from benchmarks.growth.cases import LENGTH, Size, write_sizes
 from benchmarks.sections import put
 
-_SPEC = """cases = ["paper_protocol"]
+_SPEC = """cases = ["{case}"]
 sources = ["mujoco"]
 time_step = 5e-3
 design = "latin_hypercube"
@@ -27,6 +29,9 @@ size = {size}
 friction = {{ low = 0.2, high = 1.0 }}
 """
 _DOCS = Path("docs/sweeps.md")
+_CASE = "paper_protocol"
+_EACH = 64  # runs of a recording, where the number of recordings grows
+_RUNS, _RECORDINGS = (64, 256, 1024, 4096), (2, 8, 32)
 
 
 @dataclass(frozen=True)
@@ -35,21 +40,26 @@ class Grown:
 
     Attributes:
         runs: how many.
+        recordings: of how many recordings.
         memory: of its largest process [bytes].
+        seconds: processor time of all of its processes [s].
         overhead: processor time of all of its processes over that of the bare runs [1].
         disk: of `runs.parquet` and of the rows before, together, over the runs [bytes].
     """
 
     runs: int
+    recordings: int
     memory: int
+    seconds: float
     overhead: float
     disk: float
 
 
-def grown(size: int, folder: Path) -> Grown:
-    """Carry out a sweep of `size` runs."""
-    spec, out = folder / f"size_{size}.toml", folder / f"size_{size}"
-    spec.write_text(_SPEC.format(size=size), encoding="utf-8")
+def grown(size: int, folder: Path, case: str = _CASE, recordings: int = 1) -> Grown:
+    """Carry out a sweep of `size` runs of each of the recordings of a case."""
+    name = f"size_{size}_{recordings}"
+    spec, out = folder / f"{name}.toml", folder / name
+    spec.write_text(_SPEC.format(size=size, case=case), encoding="utf-8")
     process = subprocess.Popen(
         [sys.executable, "-m", "harness", "sweep", str(spec), "--out", str(out), "--yes"],
         stdout=subprocess.DEVNULL,
@@ -57,34 +67,52 @@ def grown(size: int, folder: Path) -> Grown:
     )
     _, status, usage = os.wait4(process.pid, 0)
     if status:
-        raise click.ClickException(f"the sweep of {size} runs ended with {os.waitstatus_to_exitcode(status)}")
+        raise click.ClickException(f"the sweep {name} ended with {os.waitstatus_to_exitcode(status)}")
     rows = out / "runs.parquet"
     bare = sum(pq.read_table(rows, columns=["cpu_s"])["cpu_s"].to_pylist())
     spent = usage.ru_utime + usage.ru_stime
-    return Grown(size, 1024 * usage.ru_maxrss, spent / bare, rows.stat().st_size / size)
+    runs = size * recordings
+    return Grown(runs, recordings, 1024 * usage.ru_maxrss, spent, spent / bare, rows.stat().st_size / runs)
 
 
 def table(measured: list[Grown]) -> str:
     """Markdown."""
-    lines = ["| runs | largest process [MB] | processor time over that of bare runs | `runs.parquet`, bytes a run |"]
-    lines.append("|---|---|---|---|")
-    lines += [f"| {one.runs} | {one.memory / 1e6:.0f} | {one.overhead:.2f} | {one.disk:.0f} |" for one in measured]
+    heads = (
+        "recordings",
+        "runs",
+        "largest process [MB]",
+        "processor time [s]",
+        "over that of bare runs",
+        "`runs.parquet`, bytes a run",
+    )
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    lines += [
+        f"| {one.recordings} | {one.runs} | {one.memory / 1e6:.0f} | {one.seconds:.0f} | {one.overhead:.2f} "
+        f"| {one.disk:.0f} |"
+        for one in measured
+    ]
     return "\n".join(lines)
 
 
 @click.command()
-@click.option("--size", "sizes", type=int, multiple=True, default=(64, 256, 1024, 4096), show_default=True)
-@click.option("--docs", type=click.Path(path_type=Path), default=_DOCS, show_default=True, help="Page with the table.")
-def main(sizes: tuple[int, ...], docs: Path) -> None:
-    """Measure how memory, time and disk grow with the size of a sweep, and write the table.
+@click.option("--runs", type=int, multiple=True, default=_RUNS, show_default=True, help="Of one recording.")
+@click.option("--recordings", type=int, multiple=True, default=_RECORDINGS, show_default=True, help="64 runs of each.")
+@click.option("--docs", type=click.Path(path_type=Path), default=_DOCS, show_default=True, help="Page with the tables.")
+def main(runs: tuple[int, ...], recordings: tuple[int, ...], docs: Path) -> None:
+    """Measure how memory, time and disk grow with the size of a sweep, and write the tables.
 
-    Example: python -m benchmarks.sweep_growth --size 64 --size 4096
+    Example: python -m benchmarks.sweep_growth --runs 64 --recordings 2
     """
-    with tempfile.TemporaryDirectory(prefix="sweep-growth-") as folder:
-        measured = [grown(size, Path(folder)) for size in sizes]
-    text = table(measured)
-    docs.write_text(put("growth", text, docs.read_text(encoding="utf-8"), title="Sweeps"), encoding="utf-8")
-    click.echo(text)
+    with tempfile.TemporaryDirectory(prefix="sweep-growth-") as scratch:
+        folder = Path(scratch)
+        of_runs = [grown(size, folder) for size in runs]
+        cases = write_sizes(folder, [Size(count, LENGTH) for count in recordings])
+        of_recordings = [grown(_EACH, folder, str(path), size.recordings) for size, path in cases.items()]
+    page = docs.read_text(encoding="utf-8")
+    for name, measured in (("growth", of_runs), ("growth of recordings", of_recordings)):
+        click.echo(table(measured))
+        page = put(name, table(measured), page, title="Sweeps")
+    docs.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

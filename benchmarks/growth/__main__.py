@@ -35,8 +35,8 @@ _ROWS, _DOCS = Path("build/growth/times.jsonl"), Path("docs")
 def main(most_recordings: int, longest: float, case: Path | None, rounds: int, path: Path, docs: Path) -> None:
     """Measure `harness diagnose` on simulated cases of growing size, one after the other, smallest first.
 
-    All of it takes hours; what has been measured from the same sources is not measured again, and the page is
-    written after each measurement from what there is.
+    All of it takes a quarter of an hour; what has been measured from the same sources is not measured again, and the
+    page is written after each measurement from what there is.
 
     \b
     Examples:

@@ -1,8 +1,8 @@
 """`python -m benchmarks.performance.sampled CASE OUT`: a diagnosis, and which functions take its processor time.
 
 A profiler would slow down what is written in Python and not what is compiled, and the one of the standard library sees
-a single thread. So the functions that threads are in are looked at every few milliseconds; of forked processes, which
-run the engines and draw pictures, the processor time is known as a whole.
+a single thread. So every few milliseconds the processor time that each thread took since is counted for the function
+that it is in; of forked processes, which run the engines and draw pictures, it is known as a whole. On Linux only.
 """
 
 from __future__ import annotations
@@ -11,27 +11,30 @@ import json
 import os
 import sys
 import threading
-from collections import Counter
-from collections.abc import Callable
+import time
+from collections import defaultdict
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import FrameType
 
 _EVERY = 0.005  # [s]
 _LISTED = 8
-# Where a thread waits for others, for a pipe or for work, and takes no processor time.
-_WAITING = ("threading.py", "selectors.py", "queue.py", "concurrent/futures/thread.py", "multiprocessing/connection.py")
 
 
-def sampled(function: Callable[[], object]) -> Counter[str]:
-    """How often each function was the innermost one of a thread that worked, while this one ran."""
-    counts: Counter[str] = Counter()
+def sampled(function: Callable[[], object]) -> dict[str, float]:
+    """Processor time that threads took in each function, innermost ones, while this one ran [s]."""
+    taken: dict[str, float] = defaultdict(float)
+    last: dict[int, float] = {}
     done = threading.Event()
 
     def look() -> None:
         while not done.wait(_EVERY):
             for thread, frame in sys._current_frames().items():
-                if thread != threading.get_ident() and not _waits(frame):
-                    counts[_name(frame)] += 1
+                with suppress(OSError):  # it has ended since
+                    now = time.clock_gettime(time.pthread_getcpuclockid(thread))
+                    taken[_name(frame)] += now - last.get(thread, now)
+                    last[thread] = now
+            last.pop(threading.get_ident(), None)  # its own time is none of the function's
 
     looking = threading.Thread(target=look, daemon=True)
     looking.start()
@@ -40,11 +43,7 @@ def sampled(function: Callable[[], object]) -> Counter[str]:
     finally:
         done.set()
         looking.join()
-    return counts
-
-
-def _waits(frame: FrameType) -> bool:
-    return frame.f_code.co_filename.replace(os.sep, "/").endswith(_WAITING)
+    return taken
 
 
 def _name(frame: FrameType) -> str:
@@ -54,18 +53,17 @@ def _name(frame: FrameType) -> str:
     return f"{frame.f_globals.get('__name__', '').rsplit('.', 1)[-1]}.{frame.f_code.co_name}"
 
 
-def shares(counts: Counter[str], own: float, others: float) -> str:
+def shares(taken: Mapping[str, float], own: float, others: float) -> str:
     """Largest shares in the processor time of all processes, in words.
 
     Args:
-        counts: of the process itself.
+        taken: in each function of the process itself [s].
         own, others: processor time of it, and of the processes that it forked [s].
     """
-    total, samples = own + others, max(sum(counts.values()), 1)
+    total = own + others
+    largest = sorted(taken.items(), key=lambda one: -one[1])[:_LISTED]
     told = [f"{100.0 * others / total:.0f} % in processes of engines and pictures"]
-    told += [
-        f"{100.0 * own / total * count / samples:.0f} % in `{name}`" for name, count in counts.most_common(_LISTED)
-    ]
+    told += [f"{100.0 * seconds / total:.0f} % in `{name}`" for name, seconds in largest]
     return ", ".join(told)
 
 
@@ -79,9 +77,9 @@ def main() -> None:
         with suppress(SystemExit):
             command(["diagnose", case, "--out", out, "--yes", "--force", "--quiet"], standalone_mode=False)
 
-    counts = sampled(diagnose)
+    taken = sampled(diagnose)
     used = os.times()
-    print(json.dumps(shares(counts, used.user + used.system, used.children_user + used.children_system)))
+    print(json.dumps(shares(taken, used.user + used.system, used.children_user + used.children_system)))
 
 
 if __name__ == "__main__":

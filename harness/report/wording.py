@@ -119,7 +119,7 @@ def _found(diagnosis: Diagnosis) -> str:
 
 def _doubts(finding: IdentifiedEffect, problem: Problem) -> str:
     """In brackets: rivals, what else does as much, parameters at a bound, an interval that holds no effect too."""
-    rivals = [words(one) + " together" * (len(names) > 1) for names in finding.rivals for one in [" and ".join(names)]]
+    rivals = [words(" and ".join(names)) + " together" * (len(names) > 1) for names in finding.rivals]
     said = [f"indistinguishable from {' or '.join(rivals)}"] if rivals else []
     if may_be_shaking(problem, finding.name, {name: one.value for name, one in finding.parameters.items()}):
         said.append("a beam that shakes between the readings of its angle, as fast as they show, does as much")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 import time
-from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -50,7 +49,7 @@ def test_each_time_is_kept_for_its_own_work() -> None:
 
 
 def test_samples_are_of_threads_that_work() -> None:
-    """Count the function that works in any thread, and neither the one that waits for it nor idle workers."""
+    """Count the function that works, in whatever thread, and not the one that waits for it."""
 
     def busy() -> float:
         end, total = time.thread_time() + 0.3, 0.0
@@ -62,16 +61,16 @@ def test_samples_are_of_threads_that_work() -> None:
         with ThreadPoolExecutor(2) as pool:
             return pool.submit(busy).result()
 
-    counts = sampled(waiting)
-    assert counts.most_common(1)[0][0] == "test_performance.busy"
-    # some samples are of the pool's own start and end
-    assert counts["test_performance.busy"] > 0.8 * sum(counts.values())
+    taken = sampled(waiting)
+    assert max(taken, key=taken.__getitem__) == "test_performance.busy"
+    # Of 0.3 s; the first look only begins to count, and so does the last one not see the end.
+    assert 0.2 < taken["test_performance.busy"] < 0.32
 
 
 def test_shares_are_of_all_processes() -> None:
-    """Divide what the process itself took by its samples, beside what those took that it forked."""
-    text = shares(Counter({"ekf.run": 3, "imports": 1}), 6.0, 2.0)
-    assert text == "25 % in processes of engines and pictures, 56 % in `ekf.run`, 19 % in `imports`"
+    """Tell functions of the process itself beside all that the processes took which it forked."""
+    text = shares({"imports": 1.0, "ekf.run": 3.0}, 6.0, 2.0)
+    assert text == "25 % in processes of engines and pictures, 38 % in `ekf.run`, 12 % in `imports`"
 
 
 def test_spread_is_median_and_quartiles() -> None:
