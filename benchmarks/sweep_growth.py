@@ -21,6 +21,7 @@ from benchmarks.growth.cases import LENGTH, Size, write_sizes
 from benchmarks.sections import put
 
 _SPEC = """cases = ["{case}"]
+recordings = {recordings}
 sources = ["mujoco"]
 time_step = 5e-3
 design = "latin_hypercube"
@@ -59,7 +60,8 @@ def grown(size: int, folder: Path, case: str = _CASE, recordings: int = 1) -> Gr
     """Carry out a sweep of `size` runs of each of the recordings of a case."""
     name = f"size_{size}_{recordings}"
     spec, out = folder / f"{name}.toml", folder / name
-    spec.write_text(_SPEC.format(size=size, case=case), encoding="utf-8")
+    chosen = '["rec_01.csv"]' if recordings == 1 else '"all"'
+    spec.write_text(_SPEC.format(size=size, case=case, recordings=chosen), encoding="utf-8")
     process = subprocess.Popen(
         [sys.executable, "-m", "harness", "sweep", str(spec), "--out", str(out), "--yes"],
         stdout=subprocess.DEVNULL,
@@ -69,10 +71,11 @@ def grown(size: int, folder: Path, case: str = _CASE, recordings: int = 1) -> Gr
     if status:
         raise click.ClickException(f"the sweep {name} ended with {os.waitstatus_to_exitcode(status)}")
     rows = out / "runs.parquet"
-    bare = sum(pq.read_table(rows, columns=["cpu_s"])["cpu_s"].to_pylist())
+    times = pq.read_table(rows, columns=["cpu_s"])["cpu_s"].to_pylist()
     spent = usage.ru_utime + usage.ru_stime
-    runs = size * recordings
-    return Grown(runs, recordings, 1024 * usage.ru_maxrss, spent, spent / bare, rows.stat().st_size / runs)
+    assert len(times) == size * recordings
+    disk = rows.stat().st_size / len(times)
+    return Grown(len(times), recordings, 1024 * usage.ru_maxrss, spent, spent / sum(times), disk)
 
 
 def table(measured: list[Grown]) -> str:
