@@ -18,7 +18,7 @@ import click
 import pyarrow.parquet as pq
 
 from benchmarks.growth.cases import LENGTH, Size, write_sizes
-from benchmarks.sections import put
+from benchmarks.sections import apart, put
 
 _SPEC = """cases = ["{case}"]
 recordings = {recordings}
@@ -114,7 +114,7 @@ def main(runs: tuple[int, ...], recordings: tuple[int, ...], docs: Path) -> None
     page = docs.read_text(encoding="utf-8")
     for name, measured in (("growth", of_runs), ("growth of recordings", of_recordings)):
         click.echo(table(measured))
-        page = put(name, table(measured), page, title="Sweeps")
+        page = apart(name, put(name, table(measured), page, title="Sweeps"))
     docs.write_text(page, encoding="utf-8")
 
 
