@@ -45,7 +45,7 @@ class Grown:
         memory: of its largest process [bytes].
         seconds: processor time of all of its processes [s].
         overhead: processor time of all of its processes over that of the bare runs [1].
-        disk: of `runs.parquet` and of the rows before, together, over the runs [bytes].
+        disk: of `runs.parquet` over the runs [bytes].
     """
 
     runs: int

@@ -26,6 +26,7 @@ _STEP_OTHER = 1.1e-4
 _DIAGNOSIS, _RECORDING, _READING = 20.0, 2.0, 0.005
 # Runs for a parameter that pays: screening, fits and held-out blocks, all windows; one that does not takes a tenth.
 _TUNED_RUNS = 100.0
+_SIDE_BY_SIDE = 3  # runs of the smallest step of a fit: a parameter and both numbers of the starts moved
 _HALF_AND_DOUBLE = 2.5
 """Runs at half and at double the time step, which tell the numerical error, in runs of the whole recording."""
 
@@ -64,7 +65,7 @@ def tuning_time(durations: Sequence[float], free: int, engine: Engine, settings:
     from harness.tuning.estimate.windows import LENGTH, MOST
 
     steps = min(sum(durations), MOST * LENGTH) / parameters_of(engine, settings).time_step
-    return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER) / max(jobs, 1)
+    return _TUNED_RUNS * free * steps * _STEP.get(engine.name, _STEP_OTHER) / min(max(jobs, 1), _SIDE_BY_SIDE)
 
 
 def ask(seconds: float, memory: float, remedy: str, *, yes: bool) -> None:

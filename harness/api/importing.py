@@ -47,6 +47,7 @@ class Imported(Summarised):
         answers: what was asked and answered, as options of the command, by the name of the file in the case.
         role: of the recordings in the case, `identify` or `predict`.
         as_before: what was answered as for the recording that the case had last, by the name of the file in the case.
+        options: what was chosen for each, by the user and by answers, by the name of the file in the case.
     """
 
     folder: Path
@@ -55,6 +56,7 @@ class Imported(Summarised):
     answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     role: Role = "identify"
     as_before: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    options: Mapping[str, Options] = field(default_factory=dict)
 
     def summary(self) -> Summary:
         """Columns, evidence, what to do next."""
@@ -109,7 +111,7 @@ class Imported(Summarised):
         return {
             "case": str(self.folder),
             "role": self.role,
-            "recordings": [recording_record(name, one) for name, one in self.recordings.items()],
+            "recordings": _new_entries(self.recordings, list(self.options.values())),
             "findings": [asdict(one) for one in self.case.findings],
         }
 
@@ -197,8 +199,15 @@ def import_recording(
     else:
         folder = Path(out) if out is not None else Path(f"{paths[0].stem}_case")
         recordings = _write(folder, understood, chosen, paths, quantities, origin=origin, command=command, force=force)
-    answers_by, like_by = (dict(zip(recordings, one, strict=True)) for one in (answered, like))
-    return Imported(folder, recordings, load_case(folder), answers_by, role, like_by)
+    return Imported(
+        folder,
+        recordings,
+        load_case(folder),
+        dict(zip(recordings, answered, strict=True)),
+        role,
+        dict(zip(recordings, like, strict=True)),
+        dict(zip(recordings, chosen, strict=True)),
+    )
 
 
 def _quantities(rig: Mapping[str, float]) -> dict[str, dict[str, float]]:

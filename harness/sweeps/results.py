@@ -53,7 +53,7 @@ class Best:
     Attributes:
         source: model or engine.
         point: its number.
-        run: number of its run on the first recording.
+        run: number of its run on the first of the recordings.
         error: RMS over the recordings [m].
         largest: the same of the combination with the largest error [m].
         values: of the factors that the sweep varies.
@@ -172,7 +172,7 @@ def _best(rows: pd.DataFrame, plan: Plan) -> Iterator[Best]:
         if errors.empty:
             continue
         point = int(errors.index.to_numpy()[errors.to_numpy().argmin()])
-        run = int(own.loc[own["point"] == point, "run"].min())
+        run = int(own.loc[(own["point"] == point) & own[MEASURED].notna(), "run"].min())
         varied = {one.name for one in plan.spec.factors[source] if one.varied}
         values = {name: value for name, value in plan.run(run).values.items() if name in varied}
         yield Best(source, point, run, float(errors.min()), float(errors.max()), values, len(errors), recordings)

@@ -12,7 +12,7 @@ from harness.api import diagnosis
 from harness.api.case import load_case
 from harness.api.comparison import compare
 from harness.api.diagnosis import diagnose
-from harness.api.effort import ASKED, MEMORY_ASKED, ask, comparison_time, diagnosis_time, expected
+from harness.api.effort import ASKED, MEMORY_ASKED, ask, comparison_time, diagnosis_time, expected, tuning_time
 from harness.api.memory import comparison_memory, diagnosis_memory, tuning_memory
 from harness.api.tuning import tune
 from harness.comparison import Choices
@@ -34,6 +34,15 @@ def test_ordinary_use_is_not_asked(rig: Path) -> None:
     ask(diagnosis_time(used), diagnosis_memory(used), "", yes=False)
     for one in used:
         ask(comparison_time(longest, engines, Choices()), comparison_memory(one, engines, Choices()), "", yes=False)
+
+
+def test_tuning_the_default_set_is_not_asked_on_two_processors() -> None:
+    """Expect less than ten minutes for two recordings of 16 s, and no more of many processors than a step can use."""
+    engine, durations, free = engine_of("mujoco"), (16.0, 16.0), 5  # the default set and the level
+    alone, two, three, many = (tuning_time(durations, free, engine, {}, jobs) for jobs in (1, 2, 3, 64))
+    assert two < ASKED < alone
+    assert two == alone / 2.0
+    assert three == many == alone / 3.0
 
 
 def asked(done: Outcome) -> str:

@@ -170,17 +170,21 @@ def test_recordings_are_added_and_what_the_user_wrote_stays(tmp_path: Path) -> N
 def test_what_was_told_of_one_recording_holds_for_the_next(tmp_path: Path, name: str) -> None:
     """Answer what a file leaves open as for the last recording of the case, say so, and write the options down."""
     assert import_of(name, tmp_path).exit_code == 0
+    plain = call(tmp_path / name, "--into", tmp_path / "case", "--json")
+    assert plain.exit_code == 0, plain.stderr
     done = call(tmp_path / name, "--into", tmp_path / "case")
     assert done.exit_code == 0, done.stderr
     options = made.FILES[name][1]
     (said,) = (one for one in done.stdout.splitlines() if "as the last recording of the case" in one)
     assert all(shlex.quote(one) in said for one in options)
     assert "without questions" not in done.stdout
-    first, second = json.loads((tmp_path / "case" / "import.json").read_text())["recordings"]
+    kept = json.loads((tmp_path / "case" / "import.json").read_text())["recordings"]
+    assert json.loads(plain.stdout)["recordings"] == kept[1:2]
     told = dict(zip(options[::2], options[1::2], strict=True))
-    assert first["options"] == second["options"] == {name[2:]: value for name, value in told.items()}
-    angles = [one.angle for one in load_case(tmp_path / "case").recordings.values()]
-    np.testing.assert_array_equal(*angles)
+    assert [one["options"] for one in kept] == 3 * [{name[2:]: value for name, value in told.items()}]
+    first, *others = (one.angle for one in load_case(tmp_path / "case").recordings.values())
+    for other in others:
+        np.testing.assert_array_equal(first, other)
 
 
 def test_a_file_that_says_more_is_not_read_as_the_last_one(tmp_path: Path) -> None:

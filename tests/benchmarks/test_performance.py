@@ -25,7 +25,6 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not i
 TOLD = ROOT / "docs" / "performance.json"
 
 
-@pytest.mark.slow
 def test_both_are_timed_in_turn() -> None:
     """Time both as often, the first one alternating, and one call of each before that does not count."""
     calls: list[str] = []
@@ -35,7 +34,6 @@ def test_both_are_timed_in_turn() -> None:
     assert calls == ["a", "b", *"baabbaab"]
 
 
-@pytest.mark.slow
 def test_each_time_is_kept_for_its_own_work() -> None:
     """Give what takes three times as long three times the time, whichever comes first."""
     now = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -62,3 +63,8 @@ def always_fills(value: int) -> int:
         held.append(bytearray(os.urandom(1024)) * (50 * 1024))
         time.sleep(0.05)
     return value
+
+
+def blocked_signals(_: float) -> list[int]:
+    """Numbers of the signals that do not reach this process."""
+    return sorted(signal.pthread_sigmask(signal.SIG_BLOCK, []))

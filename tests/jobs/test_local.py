@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import multiprocessing
 import os
+import signal
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,7 @@ import pytest
 
 from harness.errors import HarnessError, InputError
 from harness.jobs import Executor, Local, Lost, OneProcess, executor_on, gathered
-from tests.jobs.functions import always_dies, always_hangs, killed_once, raised, square
+from tests.jobs.functions import always_dies, always_hangs, blocked_signals, killed_once, raised, square
 
 BOTH = pytest.mark.parametrize("executor", [OneProcess(), Local(2)], ids=["one process", "two processes"])
 
@@ -47,6 +48,14 @@ def test_an_error_of_a_job_is_passed_on(executor: Executor) -> None:
     """Raise what the job raised."""
     with pytest.raises(ValueError, match="no 4"):
         list(executor.run(raised, [4]))
+
+
+def test_an_interrupt_never_reaches_a_worker() -> None:
+    """Begin processes with Ctrl-C held back, so that none prints a traceback of its imports, and only them."""
+    ours = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    blocked = [result for _, result in Local(2).run(blocked_signals, [1.0, 2.0])]
+    assert blocked == 2 * [[signal.SIGINT]]
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == ours
 
 
 def test_all_results_are_gathered_in_the_order_of_the_jobs() -> None:

@@ -37,12 +37,13 @@ def with_failures(made: Sweep, failing: pd.Series, file: Path) -> Sweep:
 def test_a_recording_on_which_every_run_fails_costs_only_itself(made: Sweep, tmp_path: Path) -> None:
     """Judge combinations on the other recordings, say on how many, and call no source failed."""
     runs = made.runs
-    bad = (runs["source"] == "mujoco") & (runs["recording"] == "rec_02.csv")
+    bad = (runs["source"] == "mujoco") & (runs["recording"] == "rec_01.csv")
     left = with_failures(made, bad, tmp_path / "runs.parquet")
     mujoco, cam = left.results.best
     assert (mujoco.recordings, mujoco.candidates, cam.recordings) == (1, 2, 2)
     good = runs[(runs["source"] == "mujoco") & ~bad]
     assert mujoco.error == pytest.approx(good["error_measured_rms_m"].min(), rel=1e-12)
+    assert not bad[runs["run"] == mujoco.run].any()
     assert left.failed_sources == ()
 
 

@@ -214,20 +214,21 @@ class Objective:
         return rest
 
 
-def best_begin(model: Model, windows: Sequence[Stretch], free: Sequence[Free], begins: Sequence[Values]) -> Values:
-    """Of these first values the ones with the least deviance, with starts of least squares.
+def best_begin(
+    model: Model, windows: Sequence[Stretch], free: Sequence[Free], begins: Sequence[Values]
+) -> tuple[Values, FloatArray]:
+    """Of these first values the ones with the least deviance, and their starts of least squares, shape (windows, 2).
 
     Args:
         begins: values of the free parameters, at least one set.
     """
     objective = Objective(model, windows, free, {})
     first = np.array([one.first_start() for one in windows]).ravel()
-
-    def deviance(values: Values) -> float:
-        x = np.concatenate(([one.scaled(values[one.name]) for one in free], first))
-        return deviance_of(objective.residual(objective.settled(x)))
-
-    return min(begins, key=deviance) if len(begins) > 1 else begins[0]
+    settled = [
+        objective.settled(np.concatenate(([one.scaled(values[one.name]) for one in free], first))) for values in begins
+    ]
+    best = min(range(len(begins)), key=lambda at: deviance_of(objective.residual(settled[at])))
+    return begins[best], objective.starts(settled[best])
 
 
 def deviance_of(residual: FloatArray) -> float:

@@ -122,7 +122,7 @@ def select(
     # Free runs over 10 s of a ball that friction stops at other places than the beam's true level would have many
     # minima over the level; the filter, which follows the readings, has one.
     begins = [given] if levelled is None else [given, {LEVEL: min(max(levelled, level.low), level.high)}]
-    found = fit(model, windows, [level], best_begin(model, windows, [level], begins))
+    found = fit(model, windows, [level], *best_begin(model, windows, [level], begins))
     before = fit(model, windows, [], {}, found.starts, fixed=given)
     attempts: list[Attempt] = []
     screened: dict[str, Screened] = {}
