@@ -15,8 +15,7 @@ from analytic.effects.sensor import CHANNEL_DELAY
 from analytic.effects.servo import behind_servo
 from analytic.effects.source_code import Code
 from analytic.motion import BeamMotion, FloatArray, ScaledMotion
-
-_PLAY_STEP = 5e-4  # grid of the play operator [s]: at 1 rad/s a third of a count of a 4096-count encoder
+from analytic.quintic import finely
 
 
 @dataclass(frozen=True)
@@ -80,10 +79,9 @@ def transmitted(motion: BeamMotion, stamps: FloatArray, through: Transmission) -
 def beam_in_play(motion: BeamMotion, stamps: FloatArray, width: float, begin: float = 0.0) -> BacklashMotion:
     """The beam's motion behind a linkage with a gap of this width [rad], from `begin` on (`play`)."""
     half = 0.5 * width
-    count = int((stamps[-1] - stamps[0]) / _PLAY_STEP) + 1
-    time = np.append(stamps[0] + _PLAY_STEP * np.arange(count), stamps[-1])
+    time, angle = finely(motion, stamps)
     stand, side = np.empty(len(time)), np.empty(len(time))
-    play(motion.evaluate(time), half, begin, stand, side)
+    play(angle, half, begin, stand, side)
     return BacklashMotion(motion, time, stand, side, half)
 
 

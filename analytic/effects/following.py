@@ -5,29 +5,47 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from analytic.compiled import fixed, njit
 from analytic.motion import BeamMotion, FloatArray, beam_states
-from analytic.quintic import QuinticMotion, through
+from analytic.quintic import QuinticMotion, behind
 
 _LEAST = 1e-6  # of a lag [s]: at 1 rad/s below any encoder's count, and far from where rounding matters
 _ROUNDED = 1e-3  # of a lag [s], below which rounding is felt in differences over it
 _DEGREE = 5  # of the motion between stamps
 
 
-def settled(base: QuinticMotion, series: Sequence[float]) -> PPoly:
-    """Σ c_j α^(j) of each piece of a motion, `series` c_0 … c_5 [s^j]: what follows it in the long run [rad]."""
-    c = base.spline.c
-    total = series[0] * c
+def settled(base: QuinticMotion, series: Sequence[float]) -> FloatArray:
+    """Σ c_j α^(j) of each piece of a motion, `series` c_0 … c_5 [s^j]: what follows it in the long run [rad].
+
+    Returns:
+        Coefficients of (t − t_k)⁵ … (t − t_k)⁰, shape (6, n − 1) [rad, s].
+    """
+    total = np.empty_like(base.spline.c)
+    _settle(base.spline.c, np.array(series), total)
+    return total
+
+
+@njit(cache=True)
+def _settle(c: FloatArray, series: FloatArray, total: FloatArray) -> None:
+    """Fill `total`, shape (6, pieces), with the polynomials of `settled` of those in `c`, same shape."""
     for power in range(_DEGREE + 1):  # of t − t_k in the term to which derivatives of higher powers contribute
-        for order in range(1, _DEGREE - power + 1):
-            factor = factorial(power + order) / factorial(power) * series[order]
-            total[_DEGREE - power] += factor * c[_DEGREE - power - order]
-    return PPoly(total, base.time)
+        at = _DEGREE - power
+        total[at] = series[0] * c[at]
+        factor = 1.0
+        for order in range(1, at + 1):
+            factor *= power + order
+            for piece in range(c.shape[1]):
+                total[at, piece] += factor * series[order] * c[at - order, piece]
+
+
+def slopes(c: FloatArray, order: int = 1) -> FloatArray:
+    """Derivatives of the polynomials of `settled`, coefficients of the powers that they have, from 5 − `order` on."""
+    for _ in range(order):
+        c = c[:-1] * np.arange(len(c) - 1, 0, -1.0)[:, None]
+    return c
 
 
 @dataclass(frozen=True)
@@ -46,15 +64,15 @@ class LaggedMotion:
     constant: float
 
     @cached_property
-    def _settled(self) -> PPoly:
-        """Σ (−T)^j α^(j) of each piece."""
+    def _settled(self) -> FloatArray:
+        """Σ (−T)^j α^(j) of each piece, as of `settled`."""
         return settled(self.base, [(-self.constant) ** order for order in range(_DEGREE + 1)])
 
     @cached_property
     def _left(self) -> FloatArray:
         """C of each piece, shape (n − 1,) [rad]."""
         gaps = np.diff(self.base.time)
-        c, T = self._settled.c, self.constant
+        c, T = self._settled, self.constant
         # β, β̇ and β̈ are continuous: what the settled motions of two pieces differ by at their stamp is left over.
         ends = np.polyval(c, gaps)
         jumps = np.concatenate(([-2.0 * T**2 * c[_DEGREE - 2, 0]], ends[:-1] - c[_DEGREE, 1:]))
@@ -65,9 +83,16 @@ class LaggedMotion:
     def _at(self, time: FloatArray, order: int) -> FloatArray:
         asked = np.atleast_1d(np.asarray(time, np.float64))
         out = np.empty(asked.size)
-        settled = self._settled.derivative(order) if order else self._settled
         scale = (-1.0 / self.constant) ** order
-        _follow(fixed(self.base.time), settled.c, self._left, self.constant, scale, fixed(asked.ravel()), out)
+        _follow(
+            fixed(self.base.time),
+            slopes(self._settled, order),
+            self._left,
+            self.constant,
+            scale,
+            fixed(asked.ravel()),
+            out,
+        )
         return out.reshape(np.shape(time))
 
     def evaluate(self, time: FloatArray) -> FloatArray:
@@ -130,7 +155,7 @@ def _fade(jumps: FloatArray, rests: FloatArray, left: FloatArray) -> None:
 
 def lagged(motion: BeamMotion, stamps: FloatArray, constant: float) -> BeamMotion:
     """The motion of a beam that follows `motion`, taken at `stamps`, shape (n,) [s], with the lag `constant` [s]."""
-    return motion if constant < _LEAST else LaggedMotion(through(motion, stamps), constant)
+    return motion if constant < _LEAST else behind(motion, stamps, lambda base: LaggedMotion(base, constant))
 
 
 @dataclass(frozen=True)
@@ -182,7 +207,7 @@ class HeldMotion:
 
 def held(motion: BeamMotion, stamps: FloatArray, interval: float) -> BeamMotion:
     """The mean motion of a beam that takes `motion`, at `stamps`, shape (n,) [s], in steps of `interval` [s]."""
-    return motion if interval < _LEAST else HeldMotion(through(motion, stamps), interval)
+    return motion if interval < _LEAST else behind(motion, stamps, lambda base: HeldMotion(base, interval))
 
 
 @dataclass(frozen=True)

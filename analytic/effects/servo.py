@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from analytic.compiled import fixed, njit
-from analytic.effects.following import piece_at, settled
+from analytic.effects.following import piece_at, settled, slopes
 from analytic.motion import BeamMotion, FloatArray
-from analytic.quintic import QuinticMotion, through
+from analytic.quintic import QuinticMotion, behind
 
 _LEAST = 1e-5  # of a lag [s]: at 1 rad/s below any encoder's count, and far from where rounding over its square matters
 _NEAR = 1e-3  # of the exponent by which a servo differs from a critically damped one: x⁴/120 is 8e-15
@@ -42,8 +41,8 @@ class ServoMotion:
         return (0.5 * self.lag / self.damping) ** 2
 
     @cached_property
-    def _settled(self) -> PPoly:
-        """Σ c_j α^(j) of each piece."""
+    def _settled(self) -> FloatArray:
+        """Σ c_j α^(j) of each piece, as of `settled`."""
         series = [1.0, -self.lag]
         for _ in range(4):
             series.append(-self.lag * series[-1] - self._square * series[-2])
@@ -53,13 +52,12 @@ class ServoMotion:
     def _left(self) -> FloatArray:
         """y and ẏ at the start of each piece, shape (n − 1, 2) [rad, rad/s]."""
         gaps = np.diff(self.base.time)
-        c = self._settled.c
+        c, rates = self._settled, slopes(self._settled)
         angle, rate, _ = self.base.states[0]
-        slopes = self._settled.derivative().c
-        ends, end_rates = np.polyval(c, gaps), np.polyval(slopes, gaps)
+        ends, end_rates = np.polyval(c, gaps), np.polyval(rates, gaps)
         before = np.concatenate(([angle - self.lag * rate], ends[:-1]))
         before_rate = np.concatenate(([rate], end_rates[:-1]))
-        jumps = np.column_stack((before - c[-1], before_rate - slopes[-1]))
+        jumps = np.column_stack((before - c[-1], before_rate - rates[-1]))
         left = np.empty((len(gaps), 2))
         _carry(jumps, gaps, self.lag, self._square, left)
         return left
@@ -68,7 +66,7 @@ class ServoMotion:
         """β [rad], β̇ [rad/s], β̈ [rad/s²] at `time`, shape (n,) [s]; shape (n, 3)."""
         asked = fixed(np.asarray(time, np.float64))
         out = np.empty((len(asked), 3))
-        _follow(fixed(self.base.time), self._settled.c, self._left, self.lag, self._square, asked, out)
+        _follow(fixed(self.base.time), self._settled, self._left, self.lag, self._square, asked, out)
         return out
 
     def _at(self, time: FloatArray, order: int) -> FloatArray:
@@ -138,4 +136,4 @@ def _follow(
 
 def behind_servo(motion: BeamMotion, stamps: FloatArray, lag: float, damping: float) -> BeamMotion:
     """The motion of a beam that follows `motion`, taken at `stamps`, shape (n,) [s], as a servo with this lag [s]."""
-    return motion if lag < _LEAST else ServoMotion(through(motion, stamps), lag, damping)
+    return motion if lag < _LEAST else behind(motion, stamps, lambda base: ServoMotion(base, lag, damping))

@@ -11,6 +11,7 @@ from benchmarks.measured.page import LABELS
 from harness.api.case import Case
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.estimate.block_errors import group_fits
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.run import Excerpt, run_parts
 from harness.identify.model_file import observed_for, prepared_for, read_forecasting
 from harness.identify.problem.windows import AHEAD, KNOWN
@@ -64,7 +65,7 @@ def draw_windows(case: Case, diagnosis: LoadedDiagnosis, path: Path) -> Path:
     shown = [(part, block.held_out[0]) for part, blocks in group_fits(problem, found) for block in blocks]
     for i, (part, window) in enumerate(shown[:_MOST_WINDOWS]):
         known = Excerpt(window.use, np.where(window.known, window.reading, np.nan))
-        (run,) = run_parts(problem, record, part.terms, part.process_noise, [known])
+        (run,) = run_parts(Dynamics(problem, part.terms), record, part.process_noise, [known])
         ahead = window.time >= KNOWN
         time = window.begin + window.time[ahead] - origin
         color = FOUND.colour

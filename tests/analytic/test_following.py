@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from analytic.effects import acting, motion_with
-from analytic.motion import BeamMotion, DelayedMotion, FloatArray, beam_states
-from analytic.quintic import QuinticMotion, through
+from analytic.motion import BeamMotion, DelayedMotion, FloatArray, ScaledMotion, beam_states
+from analytic.quintic import QuinticMotion, finely, through
 from tests.motions import Sines
 
 STAMPS = np.concatenate((np.linspace(0.0, 2.0, 101), 2.0 + np.cumsum(np.tile([0.005, 0.03, 0.011], 40))))
@@ -140,6 +140,35 @@ def test_a_motion_of_quintics_is_taken_as_it_is() -> None:
     np.testing.assert_allclose(other.derivative(FINE, 2), Sines().derivative(FINE, 2), rtol=0.0, atol=1e-7)
     # trapezoids of 0.2 ms of 0.05 rad at some 3 rad/s: h² ω²/12
     np.testing.assert_allclose(other.integral(FINE), integrated(FINE, other.evaluate(FINE)), rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("angle_lag", {"time_constant": 0.2}),
+        ("angle_servo", {"lag": 0.2, "damping": 0.6}),
+        ("angle_hold", {"interval": 0.2}),
+    ],
+)
+def test_behind_a_multiple_of_a_motion_a_beam_moves_by_that_multiple(name: str, values: dict[str, float]) -> None:
+    """Give behind a gain and a lag what the lag of the multiplied motion gives, to rounding."""
+    behind_gain = motion_with(ROUGH, STAMPS, [acting("angle_gain", {"gain": 0.7}), acting(name, values)])
+    multiplied = motion_with(QuinticMotion(STAMPS, 0.7 * ROUGH.states), STAMPS, [acting(name, values)])
+    one, other = beam_states(behind_gain, FINE), beam_states(multiplied, FINE)
+    for order in range(3):
+        np.testing.assert_allclose(one[:, order], other[:, order], rtol=0.0, atol=rounding(0.2) / 0.2**order)
+
+
+def test_a_fine_grid_is_evaluated_once_for_all_gaps_and_gains() -> None:
+    """Keep the angle on the grid on which a gap is followed, and multiply it by a gain."""
+    time, angle = finely(ROUGH, STAMPS)
+    assert finely(ROUGH, STAMPS)[1] is angle
+    np.testing.assert_array_equal(angle, ROUGH.evaluate(time))
+    np.testing.assert_array_equal(finely(ScaledMotion(ROUGH, 0.7), STAMPS)[1], 0.7 * angle)
+    assert time[0] == STAMPS[0]
+    assert time[-1] == STAMPS[-1]
+    other = Sines()
+    np.testing.assert_array_equal(finely(other, STAMPS)[1], other.evaluate(time))
 
 
 @pytest.mark.parametrize("interval", [0.001, 0.0123, 0.3])

@@ -11,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import own_of
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.run import Excerpt, FilterRun, run_parts
 from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import Problem
@@ -77,14 +78,15 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence
     by_recording: dict[int, list[int]] = {}
     for i, window in enumerate(windows):
         by_recording.setdefault(id(window.recording), []).append(i)
+    model = Dynamics(problem, found.terms)
     for places in by_recording.values():
         recording = windows[places[0]].recording
         parts = [Excerpt(windows[i].use, np.where(windows[i].known, windows[i].reading, np.nan)) for i in places]
         if all(own[i] is None for i in places):
-            done = run_parts(problem, recording, found.terms, found.process_noise, parts)
+            done = run_parts(model, recording, found.process_noise, parts)
         else:
             done = [
-                run_parts(problem, recording, found.terms, found.process_noise, [part], own=own[i])[0]
+                run_parts(model, recording, found.process_noise, [part], own=own[i])[0]
                 for i, part in zip(places, parts, strict=True)
             ]
         runs |= dict(zip(places, done, strict=True))

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.window_errors import bounded
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.free_run import free_runs, start_derivatives
-from harness.identify.filter.run import beam_over, dynamics
+from harness.identify.filter.run import beam_over
 from harness.identify.problem.hypothesis import Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import AHEAD, KNOWN, Window
@@ -83,12 +84,13 @@ class FreeRuns:
     def _runs(
         self, terms: Terms, starts: FloatArray, groups: Sequence[_Group], *, slopes: bool
     ) -> tuple[FloatArray, FloatArray]:
-        sensor = terms.sensor_in(self.problem)
+        model = Dynamics(self.problem, terms)
+        sensor = model.law
         runs, derivatives, at = [], [], 0
         position = sensor.position(starts[:, 0])
         begins = np.column_stack((position, starts[:, 1] / sensor.slope(position)))
         for recording, first, last in groups:
-            p, table = dynamics(self.problem, recording, terms, terms.own_of(recording.name))
+            p, table = model.of(recording)
             begin = begins[at : at + len(first)]
             windows = first, last, beam_over(recording, table), p, sensor.lag, begin
             runs.append(free_runs(*windows))

@@ -40,7 +40,7 @@ from harness.signals.triangular_roots import root_of, triangular
 _ERROR = 4  # index of e in the state (s, ṡ, slip or Dahl friction, lagging s, e, ė, ë, what else e goes on from, c)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def any_state(
     readings: Readings,
     beam: BeamTable,

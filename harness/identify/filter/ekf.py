@@ -57,7 +57,7 @@ def extended_kalman_filter(
     return FilterOutput(*_filtered(readings, beam, p, sensor, process_noise, error, points, memory, first, last))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def _filtered(
     readings: Readings,
     beam: BeamTable,

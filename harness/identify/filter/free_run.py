@@ -17,7 +17,7 @@ from harness.identify.filter.arguments import BeamTable, lagging
 _OFF = np.array([[1e-3, 0.0], [0.0, 1e-2]])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def free_runs(
     first: NDArray[np.int64], last: NDArray[np.int64], beam: BeamTable, p: FloatArray, lag: float, starts: FloatArray
 ) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.ekf import negative_two_log_likelihood, penalty
 from harness.identify.filter.run import innovations, innovations_of
 from harness.identify.problem.hypothesis import Hypothesis
@@ -89,7 +90,7 @@ class Residuals:
     def _of(self, recording: PreparedRecording, theta: FloatArray) -> FloatArray:
         """`at` for the readings of one recording alone."""
         terms = self._hypothesis.terms(theta, self._problem)
-        return _normalised(*innovations_of(self._problem, recording, terms, self.process_noise))
+        return _normalised(*innovations_of(Dynamics(self._problem, terms), recording, self.process_noise))
 
 
 def _normalised(innovation: FloatArray, variance: FloatArray) -> FloatArray:

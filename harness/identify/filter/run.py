@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analytic.effects import SensorLaw, parameters_with
+from analytic.effects import SensorLaw
 from analytic.motion import FloatArray
-from analytic.slots import ORIGIN
 from harness.identify.filter.arguments import BeamTable, FilterOutput, Memory, Readings, Sensor
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.ekf import extended_kalman_filter, negative_two_log_likelihood
 from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
@@ -43,23 +43,6 @@ class FilterRun:
         return self.state[:, 3 if self.sensor.lag > 0.0 else 0]
 
 
-def dynamics(problem: Problem, recording: PreparedRecording, added: Terms, own: Own) -> tuple[FloatArray, FloatArray]:
-    """The kernel's vector, shape (SLOTS,) or longer where force laws follow, and the beam's table of one recording.
-
-    Args:
-        added: terms beside the known effects.
-        own: what the recording has of its own.
-    """
-    effects = (*problem.declared, *added.effects_in(own))
-    p = parameters_with(problem.model, problem.rig, effects, phase=own.phase)
-    p[ORIGIN] = float(added.sensor_in(problem).position(np.array(recording.origin)))
-    table = recording.table_with(effects)
-    if added.spline is not None:
-        added.spline.write(p, own.phase)
-        table = added.spline.load(table, recording.times, problem.rig.gravity)
-    return p, table
-
-
 def run_filter(
     problem: Problem,
     recording: PreparedRecording,
@@ -82,8 +65,8 @@ def run_filter(
         shared: whether rests on one count inform once, as an estimate from all recordings needs it; a prediction is of
             one rest and its error.
     """
-    part = Excerpt(slice(None), reading)
-    (run,) = run_parts(problem, recording, added, process_noise, [part], own=own, points=points, shared=shared)
+    part, model = Excerpt(slice(None), reading), Dynamics(problem, added)
+    (run,) = run_parts(model, recording, process_noise, [part], own=own, points=points, shared=shared)
     return run
 
 
@@ -95,9 +78,8 @@ class Excerpt(NamedTuple):
 
 
 def run_parts(
-    problem: Problem,
+    model: Dynamics,
     recording: PreparedRecording,
-    added: Terms,
     process_noise: float,
     parts: Sequence[Excerpt],
     *,
@@ -105,17 +87,22 @@ def run_parts(
     points: bool = True,
     shared: bool = False,
 ) -> list[FilterRun]:
-    """Run the filter over parts of one recording, each from its own first reading; arguments as for `run_filter`."""
-    law, sensor = added.sensor_in(problem), _sensor(problem, added)
-    p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
-    error = recording.error_with((*problem.declared, *added.effects), shared=shared)
+    """Run the filter over parts of one recording, each from its own first reading.
+
+    Args:
+        model: the problem's, with terms.
+        process_noise, own, points, shared: as for `run_filter`.
+    """
+    sensor = _sensor(model)
+    p, table = model.of(recording, own)
+    error = recording.error_with((*model.problem.declared, *model.added.effects), shared=shared)
     runs = []
     for use, reading in parts:
         first, last, _ = use.indices(len(recording.time))
         readings = Readings(recording.time[use], recording.reading[use] if reading is None else reading)
         beam = beam_over(recording, table, use)
         out = extended_kalman_filter(readings, beam, p, sensor, process_noise, error.between(first, last), points)
-        runs.append(FilterRun(*out, law))
+        runs.append(FilterRun(*out, model.law))
     return runs
 
 
@@ -140,8 +127,9 @@ def run_ahead(
     Returns:
         The run over all stamps, and one over the stamps of each span.
     """
-    law, sensor = added.sensor_in(problem), _sensor(problem, added)
-    p, table = dynamics(problem, recording, added, added.own_of(recording.name) if own is None else own)
+    model = Dynamics(problem, added)
+    law, sensor = model.law, _sensor(model)
+    p, table = model.of(recording, own)
     error, beam = recording.error_with((*problem.declared, *added.effects)), beam_over(recording, table)
     known = Readings(recording.time, recording.reading)
     none = Readings(recording.time, np.full_like(recording.reading, np.nan))
@@ -161,9 +149,10 @@ def run_ahead(
     return FilterRun(*whole, law), [ahead[i] for i in range(len(spans))]
 
 
-def _sensor(problem: Problem, added: Terms) -> Sensor:
-    """The sensor as the filter takes it, with terms beside the known effects."""
-    law, noise = problem.sensor(added.effects), problem.colour
+def _sensor(model: Dynamics) -> Sensor:
+    """The sensor as the filter takes it."""
+    problem, law = model.problem, model.law
+    noise = problem.colour
     return Sensor(
         law.gain,
         law.lag,
@@ -184,16 +173,17 @@ def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slic
 
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
     """Innovations of all recordings and their variances, shape (readings,) each [m], [m²], at a density [m²/s³]."""
-    each = [innovations_of(problem, one, added, process_noise) for one in problem.recordings]
+    model = Dynamics(problem, added)
+    each = [innovations_of(model, one, process_noise) for one in problem.recordings]
     innovation, variance = zip(*each, strict=True)
     return np.concatenate(innovation), np.concatenate(variance)
 
 
 def innovations_of(
-    problem: Problem, recording: PreparedRecording, added: Terms, process_noise: float
+    model: Dynamics, recording: PreparedRecording, process_noise: float
 ) -> tuple[FloatArray, FloatArray]:
     """As `innovations`, of one recording."""
-    run = run_filter(problem, recording, added, process_noise, shared=True)
+    (run,) = run_parts(model, recording, process_noise, [Excerpt(slice(None), None)], shared=True)
     return run.innovation[recording.judged], run.innovation_variance[recording.judged]
 
 
@@ -215,6 +205,7 @@ def deviance_of(
     reading = recording.reading if reading is None else reading
     known = np.flatnonzero(np.isfinite(reading))
     part = slice(int(known[0]), int(known[-1]) + 1)  # nothing is predicted before or behind
-    (run,) = run_parts(problem, recording, added, process_noise, [Excerpt(part, reading[part])], own=own, shared=True)
+    excerpt, model = Excerpt(part, reading[part]), Dynamics(problem, added)
+    (run,) = run_parts(model, recording, process_noise, [excerpt], own=own, shared=True)
     use = filtered_against(reading[part])
     return negative_two_log_likelihood(run.innovation[use], run.innovation_variance[use])

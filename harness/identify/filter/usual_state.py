@@ -35,7 +35,7 @@ from harness.signals.triangular_roots import root_of
 _WIDTH = 10  # of the compound root: five states, two numbers of process noise, three of the error's
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def usual_state(
     readings: Readings,
     beam: BeamTable,

@@ -54,12 +54,29 @@ def filtered_against(reading: FloatArray) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class _Moving:
-    """What moves the beam otherwise than measured: effects by names and values, and the delay of the position [s]."""
+class Moving:
+    """What moves the beam otherwise than measured: effects by names and values, and the delay of the position [s].
 
+    Attributes:
+        gain: by which a motion is multiplied in the end [1].
+        effects: those that do anything else to it.
+    """
+
+    gain: float = field(compare=False)
     names: tuple[tuple[object, ...], ...]
     delay: float
     effects: tuple[Acting, ...] = field(compare=False)
+
+    @classmethod
+    def by(cls, effects: Sequence[Acting]) -> Moving:
+        """What `effects` do of that: among what is linear, a gain may come last, and change no table but its scale."""
+        moving, gain = tuple(one for one in effects if one.effect.moves_beam), 1.0
+        through = transmission_with(moving)
+        linear = all(one.effect.transmission is not None or one.effect.follower is not None for one in moving)
+        if linear and through.play == 0.0:
+            moving, gain = tuple(one for one in moving if one.effect.follower is not None), through.gain
+        names = tuple((one.effect.name, *one.values.items()) for one in moving)
+        return cls(gain, names, sensor_with(effects).delay, moving)
 
 
 @dataclass(frozen=True)
@@ -110,20 +127,16 @@ class PreparedRecording:
         """Times of the table's rows, shape (2 m + 1,) [s]."""
         return self.grid.edges
 
-    def table_with(self, effects: Sequence[Acting]) -> FloatArray:
-        """`table`, same shape, where `effects` change the beam motion or delay the recorded position."""
-        moving = _Moving(
-            tuple((one.effect.name, *one.values.items()) for one in effects if one.effect.moves_beam),
-            sensor_with(effects).delay,
-            tuple(one for one in effects if one.effect.moves_beam),
-        )
-        return self._tabulated(moving) if moving.names or moving.delay != 0.0 else self.table
+    def moved_table(self, moving: Moving) -> FloatArray:
+        """`table`, same shape, where effects change the beam motion or delay the recorded position."""
+        table = self._tabulated(moving) if moving.names or moving.delay != 0.0 else self.table
+        return table if moving.gain == 1.0 else moving.gain * table
 
     @cached_property
-    def _tabulated(self) -> Callable[[_Moving], FloatArray]:
+    def _tabulated(self) -> Callable[[Moving], FloatArray]:
         """The table of a moved beam; the latest are kept, since most fits change anything but that from run to run."""
 
-        def tabulated(moving: _Moving) -> FloatArray:
+        def tabulated(moving: Moving) -> FloatArray:
             stamps = self.drive.time  # a part of a recording began with the whole
             motion = motion_with(self.drive, stamps, moving.effects)
             if moving.delay != 0.0:

@@ -17,7 +17,7 @@ from analytic.models import CAM
 from analytic.motion import FloatArray
 from analytic.step import advance
 from harness.identify.estimate.fit import Fit
-from harness.identify.filter.run import dynamics
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.problem.hypothesis import NOTHING, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.signals.ball_state import BallEstimate
@@ -77,8 +77,9 @@ def _acceleration(
     problem: Problem, recording: PreparedRecording, ball: BallEstimate, added: Terms = NOTHING
 ) -> FloatArray:
     """Modelled acceleration along the measured path, as recorded by the sensor, shape (n,) [m/s²]."""
-    p, table = dynamics(problem, recording, added, added.own_of(recording.name))
-    sensor = added.sensor_in(problem)
+    model = Dynamics(problem, added)
+    p, table = model.of(recording)
+    sensor = model.law
     position = sensor.position(ball.position)
     velocity = ball.velocity / sensor.slope(position)
     out = np.empty(len(recording.time))
@@ -89,7 +90,7 @@ def _acceleration(
     return sensor.slope(position) * out + sensor.bend(position) * velocity**2
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def _along(
     position: FloatArray,
     velocity: FloatArray,

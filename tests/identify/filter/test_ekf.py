@@ -25,8 +25,9 @@ from harness.identify.filter.arguments import (
     Sensor,
     lagging_noise,
 )
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.ekf import extended_kalman_filter, penalty
-from harness.identify.filter.run import deviance, dynamics, run_filter
+from harness.identify.filter.run import deviance, run_filter
 from harness.identify.filter.usual_state import usual_state
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis, Own, Terms
@@ -46,12 +47,8 @@ def run(
 ) -> FilterOutput:
     """The first recording through one form of the filter, with a gap of 1 s and a reading that is 20 mm off."""
     problem, record = posed.problem, posed.problem.recordings[0]
-    p, table = dynamics(
-        problem,
-        record,
-        Terms((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None),
-        Own(),
-    )
+    terms = Terms((), tuple(acting(name, values) for name, values in effects.items()), np.zeros(0), None)
+    p, table = Dynamics(problem, terms).of(record, Own())
     reading = record.reading.copy()
     reading[:3], reading[400:500] = np.nan, np.nan
     reading[700] += 0.02
@@ -130,7 +127,7 @@ def test_states_and_variances_stay_finite(plain: Posed, effects: dict[str, dict[
     """Give numbers whatever the noise, over spikes, gaps and a ball that stops or slides."""
     problem, record = plain.problem, plain.problem.recordings[0]
     acts = [acting(name, values) for name, values in effects.items()]
-    p, table = dynamics(problem, record, Terms((), tuple(acts), np.zeros(0), None), Own())
+    p, table = Dynamics(problem, Terms((), tuple(acts), np.zeros(0), None)).of(record, Own())
     beam = BeamTable(record.grid.steps, record.grid.marks, table)
     generator = np.random.default_rng(0)
     for reading_variance in (1e-20, 1e-7, 1.0):
@@ -290,7 +287,7 @@ def test_a_ball_that_was_held_keeps_the_error_of_the_rate(tmp_path: Path) -> Non
     problem = problem_of(load_case(tmp_path / "case"))
     sensor, ratios = Sensor(1.0, 0.0, problem.reading_variance), []
     for record, true in zip(problem.recordings, truth, strict=True):
-        p, table = dynamics(problem, record, Terms((), (), np.zeros(0), None), Own())
+        p, table = Dynamics(problem, Terms((), (), np.zeros(0), None)).of(record, Own())
         beam, readings = BeamTable(record.grid.steps, record.grid.marks, table), Readings(record.time, record.reading)
         speed, noise = np.abs(np.interp(record.time, true.record.time, true.velocity)), problem.least_process_noise
         for k in np.flatnonzero((speed[1:] > 1e-3) & (speed[:-1] < 1e-3)) + 1:

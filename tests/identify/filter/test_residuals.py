@@ -11,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.identify.estimate.free_run_fit import _jacobian, _point
 from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.filter import residuals as module
+from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.residuals import Residuals
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
@@ -74,9 +75,9 @@ def test_work_of_a_jacobian_grows_with_the_number_of_recordings(
     runs: list[str] = []
     original = module.innovations_of
 
-    def counting(problem: Problem, one: PreparedRecording, *rest: object) -> tuple[FloatArray, FloatArray]:
+    def counting(model: Dynamics, one: PreparedRecording, process_noise: float) -> tuple[FloatArray, FloatArray]:
         runs.append(one.name)
-        return original(problem, one, *rest)  # type: ignore[arg-type]
+        return original(model, one, process_noise)
 
     monkeypatch.setattr(module, "innovations_of", counting)
     residuals = Residuals(problem, HYPOTHESIS, PROCESS_NOISE)
