@@ -27,10 +27,13 @@ _ROOT = Path(__file__).parent.parent
 
 
 def njit(*, cache: bool, **options: Any) -> Callable[[Function], Function]:
-    """`numba.njit`; with `cache`, machine code is kept on disk until a source of compiled code changes."""
+    """`numba.njit` of code that releases Python's global lock, for threads to run side by side.
+
+    With `cache`, machine code is kept on disk until a source of compiled code changes.
+    """
 
     def compiled(function: Function) -> Function:
-        dispatcher = numba.njit(**options)(function)
+        dispatcher = numba.njit(nogil=True, **options)(function)
         if cache:  # as numba's `enable_caching`, which knows no other cache than its own
             dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]
         return dispatcher

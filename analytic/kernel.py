@@ -24,7 +24,7 @@ from analytic.rig import Rig
 from analytic.step import advance
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def _integrate(
     steps: FloatArray,
     marks: NDArray[np.int64],

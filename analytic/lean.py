@@ -12,14 +12,14 @@ from analytic.lean_step import damped_step, friction_at, lost_to, push, resisted
 from analytic.motion import FloatArray
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def tilts(table: FloatArray, begin: int, end: int, p: FloatArray, out: FloatArray) -> None:
     """Fill rows `begin` … `end` of `out`, shape (2 m + 1,), with sin(α + α₀), or α + α₀ in a linear model [1]."""
     for row in range(begin, end + 1):
         out[row] = tilted(table[row, 0], p)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def smooth_run(
     steps: FloatArray,
     marks: NDArray[np.int64],
@@ -52,7 +52,7 @@ def smooth_run(
         out[stamp - first, 0], out[stamp - first, 1] = s, v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def dry_run(
     steps: FloatArray,
     marks: NDArray[np.int64],
@@ -76,7 +76,7 @@ def dry_run(
         out[stamp - first, 0], out[stamp - first, 1] = s, v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def damped_run(
     steps: FloatArray,
     marks: NDArray[np.int64],

@@ -43,7 +43,7 @@ _LEAN = (  # slots that one of the lean paths reads
 _ZERO = tuple(slot for slot in range(slots.SHAPE) if slot not in _LEAN)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def path_of(p: FloatArray) -> int:
     """Which path takes a run with this parameter vector: `GENERAL`, `SMOOTH`, `DRY`, `DAMPED` or `DAMPED_DRY`."""
     if len(p) > slots.SLOTS or p[slots.SHAPE] not in (0.0, OF_SENSOR):  # an error of the sensor moves no ball

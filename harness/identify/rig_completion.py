@@ -19,6 +19,7 @@ from harness.preparation.declared_effects import declared_effects
 from harness.preparation.recordings import MIN_POSITIONS, observe
 from harness.recording import Case, KnownRig, Recording
 from harness.recording.findings import DataFinding
+from harness.threads import in_threads
 
 _USUAL = (0.3, 0.72)  # K of solid balls from a groove with r = 0.41 R to a flat rail
 _OTHER = 4.0  # standard errors by which a K is another: normal ones are exceeded once in 16,000
@@ -179,11 +180,14 @@ def _fitted(problem: Problem, *, ratio: bool, level: bool, lever: bool) -> Fitte
     These are taken where they lower the BIC as much as an effect has to, and K is another by more than its error (the
     friction then stands for what it is not), or a ball's only with them. Where both agree, the simpler model is kept.
     """
-    plain = fit_rig(problem, ratio=ratio, level=level, lever=lever)
     known = {term.effect for term in problem.declared} & {VISCOUS_DAMPING, CHANNEL_DELAY}
+
+    def fitted(damped: bool) -> FittedRig:
+        return fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=damped)
+
     if not ratio or known:
-        return plain
-    damped = fit_rig(problem, ratio=ratio, level=level, lever=lever, damped=True)
+        return fitted(False)
+    plain, damped = in_threads(fitted, (False, True))
     better = damped.deviance < plain.deviance - problem.least_gain
     another = damped.ratio - plain.ratio > _OTHER * plain.std[0]
     rolls = plain.ratio < _MIN_ROLLING_RATIO <= damped.ratio

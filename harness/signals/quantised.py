@@ -137,7 +137,7 @@ class _Sites(NamedTuple):
     shift: FloatArray
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def _propagate(
     readings: _Readings,
     prior: _Prior,

@@ -94,6 +94,17 @@ def test_the_cache_lies_where_numba_puts_it(package: Path) -> None:
     assert found == {"caller.value", "callee.twice", "other.other"}
 
 
+def test_compiled_code_lets_other_threads_run() -> None:
+    """Release Python's global lock in whatever is compiled, so that fits in threads run side by side."""
+
+    @compiled.njit(cache=False)
+    def twice(x: float) -> float:
+        return 2.0 * x
+
+    assert twice(1.0) == 2.0
+    assert twice.targetoptions["nogil"]  # type: ignore[attr-defined]
+
+
 def test_every_compiled_function_is_kept_by_its_sources() -> None:
     """Take `njit` from `analytic.compiled` in every module: numba's own cache would outlive a changed callee."""
     taken = re.compile(r"from numba import [^\n]*\bn?jit\b|numba\.n?jit\b")

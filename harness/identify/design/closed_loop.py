@@ -69,7 +69,7 @@ class Feedback(NamedTuple):
     pull: float
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def _servo_and_ball(
     target: FloatArray, push: FloatArray, dt: float, p: FloatArray, servo: Servo, feedback: Feedback
 ) -> tuple[FloatArray, FloatArray]:

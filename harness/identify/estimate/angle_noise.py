@@ -13,11 +13,14 @@ of a beam that turns far between its readings `fast_beam` asks the ball.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import partial
 
 from analytic.effects import ANGLE_SERVO, LEVEL_ERROR, ROLLING_RESISTANCE, TRACK_CURVATURE, VISCOUS_DAMPING
 from harness.identify.estimate.fit import fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.threads import in_threads
 
 _FIRST, _FURTHER = 0.5, (0.3, 0.1, 0.03)  # a scatter of less is none: the readings are then followed as they are
 ASKED = 2000
@@ -47,8 +50,9 @@ def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     price = smoothed.least_gain
     lowest, of_held = math.inf, math.inf
     for names in _BESIDE_SERVO:
-        lowest = min(lowest, lowest_deviance(smoothed, (*names, ANGLE_SERVO.name)))
-        of_held = min(of_held, lowest_deviance(held, (*names, ANGLE_SERVO.name)))
+        beside = partial(lowest_deviance, names=(*names, ANGLE_SERVO.name))
+        both = in_threads(beside, (smoothed, held))
+        lowest, of_held = min(lowest, both[0]), min(of_held, both[1])
         if of_held < lowest - price:
             return True
     return False
@@ -66,10 +70,14 @@ def told_noise_share(problem: Problem) -> float:
     part = problem.beginning(ASKED)
     price = part.least_gain
 
-    deviances = {share: lowest_deviance(part.quieter(share), _DRY) for share in (1.0, _FIRST)}
+    def held(shares: Sequence[float]) -> dict[float, float]:
+        each = in_threads(lambda share: lowest_deviance(part.quieter(share), _DRY), shares)
+        return dict(zip(shares, each, strict=True))
+
+    deviances = held((1.0, _FIRST))
     if deviances[_FIRST] >= deviances[1.0]:
         return 1.0
-    deviances |= {share: lowest_deviance(part.quieter(share), _DRY) for share in _FURTHER}
+    deviances |= held(_FURTHER)
     lowest = min(deviances.values())
     share = max(share for share, one in deviances.items() if one < lowest + SAME)
     limit = min(deviances[1.0], lowest_deviance(part.quieter(share), _FREE)) - price

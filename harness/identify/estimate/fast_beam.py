@@ -12,6 +12,7 @@ from __future__ import annotations
 from analytic.effects import CHANNEL_DELAY
 from harness.identify.estimate.angle_noise import ASKED, SAME, lowest_deviance
 from harness.identify.problem.problem import Problem
+from harness.threads import in_threads
 
 _SHARES = (0.3, 0.1, 0.03, 0.01)  # of the deviation that the angle's readings tell; less is none
 _DENSITIES = (0.3, 0.1, 0.03, 0.01)  # times that which they tell
@@ -42,7 +43,7 @@ def with_fast_beam(problem: Problem) -> Problem:
 
 def _told(asked: Problem, others: list[Problem], factors: tuple[float, ...], price: float) -> float:
     """The factor of the one among `others` that is preferred to the problem asked, 1 if none is."""
-    deviances = [lowest_deviance(one, _ASKED_BESIDE) for one in others]
-    if min(deviances) >= lowest_deviance(asked, _ASKED_BESIDE) - price:
+    before, *deviances = in_threads(lambda one: lowest_deviance(one, _ASKED_BESIDE), (asked, *others))
+    if min(deviances) >= before - price:
         return 1.0
     return max(factor for factor, one in zip(factors, deviances, strict=True) if one < min(deviances) + SAME)
