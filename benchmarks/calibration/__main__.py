@@ -24,7 +24,13 @@ _ROWS = Path("build/calibration/rows.jsonl")
 @click.option("--jobs", default=os.cpu_count() or 1, show_default=True, help="Trials side by side.")
 @click.option("--on", default="", metavar="dask://HOST:PORT", help="Run them on this Dask cluster instead.")
 @click.option("--rows", default=_ROWS, show_default=True, type=click.Path(path_type=Path), help="Kept rows.")
-@click.option("--source", help="Take rows of this digest of the sources for current; default: the digest of what is.")
+@click.option(
+    "--source",
+    "sources",
+    multiple=True,
+    help="Take rows of this digest of the sources for current; default: the digest of what is. Of several, the first "
+    "is that of new rows, and of two rows of one trial its own counts.",
+)
 @click.option("--tables-only", is_flag=True, help="Write tables of the rows there are.")
 @click.option(
     "--docs", default=Path("docs"), show_default=True, type=click.Path(path_type=Path), help="Tables go here."
@@ -37,7 +43,7 @@ def main(
     jobs: int,
     on: str,
     rows: Path,
-    source: str | None,
+    sources: tuple[str, ...],
     tables_only: bool,
     docs: Path,
 ) -> None:
@@ -47,18 +53,20 @@ def main(
 
     Example: python -m benchmarks.calibration --study null --count 20 --jobs 2
     """
-    store = Store(rows, source or sources_digest())
+    stores = [Store(rows, one) for one in sources or (sources_digest(),)]
+    store = stores[0]
     try:
         trials = plan(studies or STUDIES, count=count, seeds=seeds, only=only)
     except InputError as error:
         raise click.UsageError(str(error)) from error
     if not tables_only:
         run_with_bar(trials, store, jobs=jobs, on=on)
-    found = list(store.rows().values())
+    found = list({spec: row for one in reversed(stores) for spec, row in one.rows().items()}.values())
+    named = ", ".join(one.source for one in stores)
     if not found:
         kept = ", ".join(f"{name} ({n})" for name, n in store.sources().most_common()) or "none"
-        raise click.UsageError(f"{rows}: no rows of sources {store.source}; there are: {kept}. Choose with --source")
-    for path in publish(found, docs, store.source):
+        raise click.UsageError(f"{rows}: no rows of sources {named}; there are: {kept}. Choose with --source")
+    for path in publish(found, docs, named):
         click.echo(path)
     failed = [row for row in found if row.error is not None]
     for row in failed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -92,6 +93,20 @@ def test_tables_without_rows_are_refused(tmp_path: Path) -> None:
     assert f"{SOURCE} (1)" in refused.output
     assert CliRunner().invoke(main, [*arguments, "--source", SOURCE]).exit_code == 0
     assert (tmp_path / "docs" / "calibration.md").exists()
+
+
+def test_tables_of_several_sources_count_a_trial_once(tmp_path: Path) -> None:
+    """Take a trial's row of the first source that has one, and name all sources on the page."""
+    path = tmp_path / "rows.jsonl"
+    for source, rows in (("newer", ROWS[:1]), ("older", ROWS)):
+        for one in rows:
+            Store(path, source).append(replace(one, source=source))
+    arguments = ["--tables-only", "--rows", str(path), "--docs", str(tmp_path / "docs")]
+    done = CliRunner().invoke(main, [*arguments, "--source", "newer", "--source", "older"])
+    assert done.exit_code == 0
+    page = (tmp_path / "docs" / "calibration.md").read_text(encoding="utf-8")
+    assert "`newer, older`" in page
+    assert f"{len(ROWS)} blind trials" in page
 
 
 def of_plant(plant: str) -> Trial:

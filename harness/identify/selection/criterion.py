@@ -16,7 +16,7 @@ import numpy as np
 
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import Estimator, Fit
+from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
 from harness.identify.problem.hypothesis import PHASE
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
@@ -233,8 +233,16 @@ class Criterion:
         return self.gain(tried, against) > self.settings.held_out_rival and self.reduction(tried, against, tests).sure
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """An effect is kept if it reduces the held-out error by more than what its parameters have to."""
-        return gain > 0.0, _held_out_errors(tried, against)
+        """An effect is kept if it reduces the held-out error by more than what its parameters have to.
+
+        One whose strength is not surely any has to reduce it by as good a part as effects tried together: chance
+        reduces the errors of few blocks by less.
+        """
+        sure, text = _surely_strong(tried, against), _held_out_errors(tried, against)
+        kept = gain > (0.0 if sure else self.settings.held_out_least)
+        if gain > 0.0 and not kept:
+            text += ", too little for one whose strength may be none"
+        return kept, text
 
     def _restore(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """A spline term by likelihood is returned to if, so fitted, it surely predicts held-out blocks better."""
@@ -324,6 +332,15 @@ def _complete_error(problem: Problem) -> float:
     reading = problem.reading_variance * ((1.0 - share) * interval + share * max(2.0 * problem.colour.time, interval))
     velocity = math.sqrt(2.0) * density**0.75 * reading**0.25
     return math.sqrt(problem.reading_variance + velocity * AHEAD**2 / 3.0 + density * AHEAD**3 / 12.0)
+
+
+def _surely_strong(tried: Fit, against: Fit) -> bool:
+    """Whether the 95 % interval of a strength of what `tried` has beside `against` leaves out 0, if it has any."""
+    added = set(tried.hypothesis.names) - set(against.hypothesis.names)
+    strengths = [(name, one) for name in added for one in CATALOGUE[name].strengths]
+    values, deviations = tried.values(), tried.deviations()
+    told = [abs(values[key]) > TWO_SIDED * deviations[key] for key in strengths if key in values]
+    return any(told) or not told
 
 
 def _price(fit: Fit, found: Fit) -> float:
