@@ -127,7 +127,8 @@ class Effect:
         alter: changes a quantity of the rig.
         transmission: gain and play between measured angle and beam.
         turn: changes the beam's motion in any other way, which moves in closed loop do not foresee.
-        follower: of a `turn` that smooths, how an error of the angle reaches the beam; without, as it is.
+        follower: of a `turn` that smooths, and is linear in the motion, how an error of the angle reaches the beam;
+            without, as it is.
         tilting: rate at which the whole rig tilts from the start of a recording on [rad/s].
         sensor: gain, lag and delay of what is recorded of the position.
         dry: whether it is a set-valued friction, which needs the ball's stop within a step.

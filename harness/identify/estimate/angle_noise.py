@@ -50,8 +50,7 @@ def prefers_held_command(smoothed: Problem, held: Problem) -> bool:
     price = smoothed.least_gain
     lowest, of_held = math.inf, math.inf
     for names in _BESIDE_SERVO:
-        beside = partial(lowest_deviance, names=(*names, ANGLE_SERVO.name))
-        both = in_threads(beside, (smoothed, held))
+        both = in_threads(partial(lowest_deviance, names=(*names, ANGLE_SERVO.name)), (smoothed, held))
         lowest, of_held = min(lowest, both[0]), min(of_held, both[1])
         if of_held < lowest - price:
             return True
@@ -70,14 +69,14 @@ def told_noise_share(problem: Problem) -> float:
     part = problem.beginning(ASKED)
     price = part.least_gain
 
-    def held(shares: Sequence[float]) -> dict[float, float]:
+    def by_share(shares: Sequence[float]) -> dict[float, float]:
         each = in_threads(lambda share: lowest_deviance(part.quieter(share), _DRY), shares)
         return dict(zip(shares, each, strict=True))
 
-    deviances = held((1.0, _FIRST))
+    deviances = by_share((1.0, _FIRST))
     if deviances[_FIRST] >= deviances[1.0]:
         return 1.0
-    deviances |= held(_FURTHER)
+    deviances |= by_share(_FURTHER)
     lowest = min(deviances.values())
     share = max(share for share, one in deviances.items() if one < lowest + SAME)
     limit = min(deviances[1.0], lowest_deviance(part.quieter(share), _FREE)) - price
