@@ -17,7 +17,7 @@ class Rule(StrEnum):
     SPLIT = "split"  # replace an effect by the two that it imitates
     MERGE = "merge"  # replace two effects by the one that imitates them
     RESTART = "restart"  # restart the search from a runner-up
-    PREFER = "prefer"  # prefer the result of the restart to the first
+    PREFER = "prefer"  # prefer the result of the restart to the first, or two effects to a spline term
     SPLINE = "spline"  # add a spline term
     REFINE = "refine"  # double the nodes of a spline term
     ABSORB = "absorb"  # keep or drop an effect beside the spline term that may contain it

@@ -16,6 +16,7 @@ from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.decision import Rule
 from harness.identify.selection.held_out_search import search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger, Line
+from harness.identify.selection.listed_pairs import in_place_of_spline_term
 from harness.identify.selection.quick_search import on_all_readings, without_stepwise
 from harness.identify.selection.spline_terms import with_spline_term
 from harness.identify.selection.stepwise import Round, first_round, stepwise
@@ -111,7 +112,8 @@ def _by_likelihood(problem: Problem, base: Fit, begun: Round, ledger: Ledger, pr
             return effects
     if explained_by_few(problem, effects):
         return effects
-    found = ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)
+    spline = ledger.attempt("spline terms", lambda: with_spline_term(problem, base, effects, ledger, progress), effects)
+    found = ledger.attempt("pairs", lambda: in_place_of_spline_term(problem, base, spline, ledger, progress), spline)
     return _explaining(problem, base, found, ledger)
 
 

@@ -61,7 +61,7 @@ def with_spline_term(problem: Problem, base: Fit, found: Fit, ledger: Ledger, pr
     for name in selected_effects(problem, found):
         rest = tuple(other for other in best.hypothesis.names if other != name)
         progress(f"without {name}")
-        nested = _contains(_spline(best), name)
+        nested = contains(_spline(best), name)
         spline = _with_effect_absorbed(problem, best, name) if nested else best.refined.spline
         without = fit(problem, Hypothesis(rest, spline), process_noise=best.process_noise, initial=best.values())
         stays = ledger.decide(Rule.ABSORB, best, without, (name,), Evidence(holder=found, nested=nested))
@@ -101,7 +101,7 @@ def _spline(fit: Fit) -> SplineTerm:
     return fit.terms.spline
 
 
-def _contains(spline: SplineTerm, name: str) -> bool:
+def contains(spline: SplineTerm, name: str) -> bool:
     """Whether the law of an effect is nested in a spline term of this kind; none of the catalogue's is periodic."""
     kind = "reading" if spline.sensor else str(spline.depends), spline.friction
     return not spline.periodic and kind in CATALOGUE[name].relations.nested_in
