@@ -42,7 +42,14 @@ def _settle(c: FloatArray, series: FloatArray, total: FloatArray) -> None:
 
 
 def slopes(c: FloatArray, order: int = 1) -> FloatArray:
-    """Derivatives of the polynomials of `settled`, coefficients of the powers that they have, from 5 − `order` on."""
+    """Derivatives of polynomials by time.
+
+    Args:
+        c: coefficients of each piece as of `settled`, highest power first, shape (k, n − 1) [rad, s].
+
+    Returns:
+        Those of the derivative of this order, shape (k − `order`, n − 1) [rad, s].
+    """
     for _ in range(order):
         c = c[:-1] * np.arange(len(c) - 1, 0, -1.0)[:, None]
     return c

@@ -55,11 +55,13 @@ def filtered_against(reading: FloatArray) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class Moving:
-    """What moves the beam otherwise than measured: effects by names and values, and the delay of the position [s].
+    """What moves the beam otherwise than measured, and a delay of the position, which looks alike.
 
     Attributes:
-        gain: by which a motion is multiplied in the end [1].
-        effects: those that do anything else to it.
+        gain: by which the motion is multiplied in the end [1]; of no weight where two are compared.
+        names: of `effects`, with their values.
+        delay: of the position [s].
+        effects: those that do anything else to the motion than that gain.
     """
 
     gain: float = field(compare=False)
