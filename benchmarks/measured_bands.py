@@ -23,13 +23,14 @@ from benchmarks.bands import PAGE, TITLE, share_with_interval
 from benchmarks.calibration.store import sources_digest
 from benchmarks.measured.__main__ import cases_of
 from benchmarks.sections import put
-from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast import forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import AHEAD, KNOWN
 from harness.identify.validation.forecast_parameters import for_predictions
 from harness.identify.verdict import identify
+from harness.numerics import TWO_SIDED
 from harness.recording import Case, load_case
 
 THIRDS = 3

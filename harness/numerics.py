@@ -10,6 +10,8 @@ from analytic.motion import FloatArray
 
 T = TypeVar("T")
 
+TWO_SIDED = 1.96  # half width of the 95 % interval of a normal variable [σ]
+
 
 @overload
 def rms(values: ArrayLike) -> float: ...

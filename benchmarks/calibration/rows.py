@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.calibration.imperfect import says_imperfection, spline_says
 from benchmarks.calibration.trials import Trial, Values
-from harness.identify.estimate.fit import TWO_SIDED
+from harness.numerics import TWO_SIDED
 from harness.simulator import UNLISTED as STRUCTURES
 
 

@@ -24,8 +24,8 @@ from analytic.models import CAM
 from analytic.motion import FloatArray
 from harness.errors import InputError
 from harness.exports.model import ExportModel, refuse_own_effects
-from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.spline_term import Regressor
+from harness.numerics import TWO_SIDED
 
 _WIDTHS = np.array([1e-5, 1e-5, 1e-5, 1e-3, 1e-2])  # of differences in s, ṡ, α, α̇, α̈ (SI): errors of 1e-9
 _MOST_PADE = 10  # beyond, the coefficients of a Padé approximation lose their digits

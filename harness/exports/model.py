@@ -13,10 +13,10 @@ from analytic.effects import CATALOGUE, Acting, SensorLaw, rig_with, sensor_with
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
-from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.model_file import read_terms
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.record import DiagnosisRecord
+from harness.numerics import TWO_SIDED
 
 LONGEST_STEP = 1e-2  # of the integration in exported code, that of `harness predict` [s]
 

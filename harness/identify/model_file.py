@@ -11,6 +11,7 @@ from analytic.effects import CATALOGUE, Acting, EffectError, acting
 from analytic.motion import FloatArray
 from analytic.rig import Rig
 from harness.errors import InputError
+from harness.identify.estimate.band import Band
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Colour, PreparedRecording, Problem
@@ -49,7 +50,8 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
         covariance=tuple(map(tuple, _covariance(found).tolist())),
         process_noise_m2_s3=found.process_noise,
         estimator=found.estimator.value,
-        band=found.band,
+        band=found.band.factor,
+        band_growth_m2_s=found.band.growth,
         reading_variance_m2=problem.reading_variance,
         readings_in_mean=problem.readings_in_mean,
         colour=colour_record(problem),
@@ -64,7 +66,8 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
             parameters=tuple(forecasting.theta.tolist()),
             covariance=tuple(map(tuple, _covariance(forecasting).tolist())),
             process_noise_m2_s3=forecasting.process_noise,
-            band=forecasting.band,
+            band=forecasting.band.factor,
+            band_growth_m2_s=forecasting.band.growth,
         ),
     )
 
@@ -156,7 +159,7 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
         np.array(kept.covariance, dtype=float).reshape(len(theta), len(theta)),
         problem.readings,
         estimator=Estimator(kept.estimator),
-        band=kept.band,
+        band=Band(kept.band, kept.band_growth_m2_s),
     )
     # The phases φ₀ in the file belong to other recordings; that of this one is estimated from its own readings.
     return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found

@@ -64,7 +64,7 @@ def _same_fit(found: Fit, one: Fit) -> bool:
     if found is one:
         return True
     parts = [(fit.hypothesis, fit.estimator, fit.held_out, fit.process_noise) for fit in (found, one)]
-    same = bool(found.held_out) and parts[0] == parts[1] and np.array_equal(found.theta, one.theta)
+    same = parts[0] == parts[1] and np.array_equal(found.theta, one.theta)
     return same and np.array_equal(found.covariance, one.covariance, equal_nan=True)
 
 

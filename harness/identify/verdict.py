@@ -9,7 +9,7 @@ from enum import StrEnum
 from analytic.effects import Effect
 from harness.failures import Failures, Part, attempt
 from harness.identify.estimate.covariance import with_interval_covariance
-from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
 from harness.identify.record.rivals import rival_sets
@@ -18,6 +18,7 @@ from harness.identify.selection.criterion import Criterion, same_laws
 from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection, search
+from harness.numerics import TWO_SIDED
 from harness.progress import Progress, silent
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from analytic.effects import CATALOGUE
 from harness.errors import InputError
-from harness.identify.estimate.cross_validation import cross_validated, fit_without, with_band
+from harness.identify.estimate.block_errors import with_band
+from harness.identify.estimate.cross_validation import cross_validated, fit_without
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.forecast import forecast
@@ -157,7 +158,8 @@ def test_held_out_blocks_are_foreseen_by_fits_to_fewer_recordings(problem: Probl
     """Draw the parameters of a fit that has levels of some recordings alone, and calibrate the band by its errors."""
     whole = fit_free_runs(problem, Hypothesis((NAME,)), fitted_windows(problem.recordings)).fit
     found = with_band(problem, cross_validated(problem, whole))
-    assert 0.0 < found.band < math.inf
+    assert 0.0 < found.band.factor < math.inf
+    assert 0.0 <= found.band.growth < math.inf
     part = fit_without(problem, whole, blocks_of(problem.recordings)[0].fitted)
     assert len(part.terms.recordings) < len(problem.recordings)
     drawn = list(drawn_terms(problem, part, 3, np.random.default_rng(0)))

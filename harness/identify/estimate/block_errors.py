@@ -1,21 +1,25 @@
-"""Errors of the model on blocks of recordings that it is not fitted to."""
+"""Errors of the model on blocks of recordings that it is not fitted to, and the band of predictions by them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import chain
 
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.band import Foreseen, fitted_band
 from harness.identify.estimate.cross_validation import fit_without
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.refit import refit
-from harness.identify.estimate.window_errors import tuned_to_windows, window_errors
+from harness.identify.estimate.window_errors import foreseen_errors, tuned_to_windows, window_errors
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.windows import Block, Window, block_groups, of_windows, without_predicted
 from harness.numerics import rms
+from harness.parallel import side_by_side
 from harness.threads import in_threads
 
 Groups = list[tuple[tuple[Window, ...], list[Block]]]
@@ -60,6 +64,28 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
             for block in blocks
         ]
     )
+
+
+def with_band(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
+    """A fit with the band of its predictions, as it is without what can be held out.
+
+    It takes as long as a cross-validation, and is asked of one fit alone.
+
+    Args:
+        jobs: processes for the fits without a group of blocks.
+    """
+    groups = groups_of(problem.recordings)
+    errors = side_by_side([partial(_foreseen, problem, found, *group) for group in groups], jobs)
+    blocks = list(chain.from_iterable(errors))
+    return replace(found, band=fitted_band(blocks, problem.reading_variance)) if blocks else found
+
+
+def _foreseen(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> list[Foreseen]:
+    """Errors of each of the blocks that are held out together, and what a fit without them foresees."""
+    part = _fit_without(problem, whole, fitted, blocks)
+    if whole.estimator is Estimator.LIKELIHOOD:
+        part = replace(part, process_noise=whole.process_noise)
+    return [foreseen_errors(problem, part, block.held_out) for block in blocks]
 
 
 def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:

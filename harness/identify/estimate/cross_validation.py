@@ -1,7 +1,6 @@
 """Cross-validation of a hypothesis over seconds: fitted to free runs without a block of a recording, which it predicts.
 
-The errors of held-out blocks are the evidence; they also choose the process noise with which the filter predicts, and
-scale the band of the predictions of what was found.
+The errors of held-out blocks are the evidence; they also choose the process noise with which the filter predicts.
 """
 
 from __future__ import annotations
@@ -9,20 +8,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain
 
 import numpy as np
 
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.free_run_fit import Effort, fit_free_runs
-from harness.identify.estimate.window_errors import DENSITIES, errors_by_density, normalised_errors
+from harness.identify.estimate.window_errors import DENSITIES, errors_by_density
 from harness.identify.filter.run import deviance
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Block, Window, block_groups, of_windows
 from harness.parallel import side_by_side
-
-_SHARE = 0.95  # of the readings that the band shall hold
 
 
 def cross_validated(problem: Problem, whole: Fit, *, jobs: int = 1) -> Fit:
@@ -47,53 +43,12 @@ def cross_validated(problem: Problem, whole: Fit, *, jobs: int = 1) -> Fit:
     )
 
 
-def with_band(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
-    """A cross-validated fit with the band of its predictions.
-
-    It takes as long as the cross-validation itself, and is asked of one fit of all that are cross-validated.
-
-    Args:
-        jobs: processes for the folds.
-    """
-    ratios = side_by_side([partial(_ratios, problem, found, fold) for fold in block_groups(problem.recordings)], jobs)
-    return replace(found, band=widened(list(chain.from_iterable(ratios))) / TWO_SIDED)
-
-
 def _without(problem: Problem, whole: Fit, blocks: Sequence[Block]) -> FloatArray:
     """Errors of blocks that are held out together, by a fit without them, shape (blocks, densities) [m]."""
     part = fit_without(problem, whole, blocks[0].fitted)
     by_density = errors_by_density(problem, part, [window for block in blocks for window in block.held_out])
     ends = np.cumsum([len(block.held_out) for block in blocks])[:-1]
     return np.array([np.sqrt(np.mean(each**2, axis=1)) for each in np.split(by_density, ends, axis=1)])
-
-
-def _ratios(problem: Problem, found: Fit, blocks: Sequence[Block]) -> list[FloatArray]:
-    """Sizes of these errors over their deviations, with the process noise of `found`, shape (readings of the block,)
-    each [1]."""
-    part = replace(fit_without(problem, found, blocks[0].fitted), process_noise=found.process_noise)
-    return [np.abs(normalised_errors(problem, part, block.held_out)) for block in blocks]
-
-
-def widened(ratios: Sequence[FloatArray]) -> float:
-    """How many of its deviations a band must be wide to hold 95 % of the readings of a further block [1].
-
-    The quantile of the blocks that there are holds less of a further one, as errors are alike within a block and the
-    blocks are few. So each block in turn is held against the quantile of the others, and that of all is widened by the
-    factor with which these hold 95 % on average.
-
-    Args:
-        ratios: size of the errors of each block over their deviations, shape (readings of the block,) each [1].
-    """
-    pooled = float(np.quantile(np.concatenate(ratios), _SHARE))
-    if len(ratios) < 2:
-        return pooled
-    apart = [
-        one / float(np.quantile(np.concatenate([*ratios[:number], *ratios[number + 1 :]]), _SHARE))
-        for number, one in enumerate(ratios)
-    ]
-    weights = np.concatenate([np.full(len(one), 1.0 / len(one)) for one in apart])
-    factor = float(np.quantile(np.concatenate(apart), _SHARE, weights=weights, method="inverted_cdf"))
-    return max(factor, 1.0) * pooled
 
 
 def fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window]) -> Fit:

@@ -17,13 +17,13 @@ import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.band import AS_FORESEEN, Band
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
 from harness.identify.filter import run as filter_run
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import PHASE, Hypothesis, Terms, own_key
 from harness.identify.problem.problem import Problem
 
-TWO_SIDED = 1.96  # half width of the 95 % interval of a normal variable [σ]
 PROCESS_NOISE = 1e-5  # initial density of the process noise [m²/s³]
 # Half width of the search for the log of the density: from the default, from a screening fit, from the previous round.
 _WIDE, _NEARBY, _NARROW = 12.0, 6.0, 3.0
@@ -59,8 +59,7 @@ class Fit:
             was behind that of the best candidate, or no candidate promised anything.
         estimator: of the parameters; process noise and deviance are those of the filter in any case.
         held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
-        band: factor by which errors of held-out blocks exceed the standard deviations that filter and parameters have
-            [1].
+        band: of its predictions, by errors of held-out blocks if it was held against them.
         quiet_deviance: deviance of the same terms without process noise.
     """
 
@@ -74,7 +73,7 @@ class Fit:
     abandoned: bool = False
     estimator: Estimator = Estimator.LIKELIHOOD
     held_out: tuple[float, ...] = ()
-    band: float = 1.0
+    band: Band = AS_FORESEEN
     quiet_deviance: float = math.inf
 
     @property

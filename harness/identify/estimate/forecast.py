@@ -9,11 +9,12 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.identify.estimate.drawn import drawn_terms
-from harness.identify.estimate.fit import TWO_SIDED, Fit
+from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import estimates_own, own_deviations, own_of
 from harness.identify.filter.run import FilterRun, run_ahead, run_filter
 from harness.identify.problem.hypothesis import Own
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.numerics import TWO_SIDED
 
 _DRAWS = 48  # Monte Carlo draws of the parameters
 
@@ -78,8 +79,7 @@ def forecast(problem: Problem, found: Fit, recording: PreparedRecording, reading
     """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
     The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit, and what
-    the recording has of its own from its deviations; the deviation is wider by the factor by which errors of held-out
-    blocks exceeded it.
+    the recording has of its own from its deviations; the band of the fit tells how much of it errors have.
     """
     own = own_of(problem, found, recording, reading)
     best = run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
@@ -94,5 +94,12 @@ def forecast(problem: Problem, found: Fit, recording: PreparedRecording, reading
         run = run_filter(problem, recording, terms, found.process_noise, own=each, reading=reading)
         square += (run.recorded - best.recorded) ** 2
         drawn += 1
-    variance = best.recorded_variance + square / max(drawn, 1)
-    return Forecast(recording.time, best.recorded, found.band * np.sqrt(variance), best.state[:, :2])
+    foreseen = best.recorded_variance + square / max(drawn, 1)
+    variance = found.band.variance(foreseen, _since_reading(recording.time, reading))
+    return Forecast(recording.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+
+
+def _since_reading(time: FloatArray, reading: FloatArray) -> FloatArray:
+    """Time since the last reading, or since the first stamp before there is one, shape (n,) [s]."""
+    latest = np.maximum.accumulate(np.where(np.isfinite(reading), time, time[0]))
+    return np.asarray(time - latest)

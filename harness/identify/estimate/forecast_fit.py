@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.band import AS_FORESEEN
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
 from harness.identify.estimate.soft_l1 import sandwich_covariance, scale_of, weights
@@ -74,5 +75,5 @@ def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fi
         quiet_deviance=np.inf,
         estimator=Estimator.FORECASTS,
         held_out=(),
-        band=1.0,
+        band=AS_FORESEEN,
     )

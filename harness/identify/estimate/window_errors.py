@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.estimate.band import Foreseen
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit
 from harness.identify.estimate.own_values import own_of
@@ -37,25 +38,25 @@ def forecast_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> 
     return [(bounded(run.recorded) - window.reading)[window.judged] for window, run in zip(windows, runs, strict=True)]
 
 
-def normalised_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> FloatArray:
-    """Errors of the predicted parts of all windows over the standard deviations that a forecast foresees [1].
+def foreseen_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> Foreseen:
+    """Errors of the predicted parts of all windows, and the variances that a forecast foresees.
 
-    They are those of the filter, of the parameters and of a reading's noise, without the factor `Fit.band`, which
-    follows from these errors.
+    They are those of the filter and of the parameters, without `Fit.band`, which follows from these errors.
     """
     own = _own_of_windows(problem, found, windows)
     runs = _runs(problem, found, windows, own)
-    variances = [np.nan_to_num(run.recorded_variance) + problem.reading_variance for run in runs]
+    variances = [np.nan_to_num(run.recorded_variance) for run in runs]
     for terms in drawn_terms(problem, found, _DRAWS, np.random.default_rng(0)):
         drawn = _runs(problem, replace(found, terms=terms), windows, own)
         for variance, one, other in zip(variances, drawn, runs, strict=True):
             variance += (bounded(one.recorded) - bounded(other.recorded)) ** 2 / _DRAWS
-    return np.concatenate(
-        [
-            ((bounded(run.recorded) - window.reading) / np.sqrt(variance))[window.judged]
-            for window, run, variance in zip(windows, runs, variances, strict=True)
-        ]
-    )
+    errors = [bounded(run.recorded) - window.reading for window, run in zip(windows, runs, strict=True)]
+    ahead = [window.time - window.time[window.known][-1] for window in windows]
+
+    def judged(each: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate([one[window.judged] for window, one in zip(windows, each, strict=True)])
+
+    return Foreseen(judged(errors), judged(variances), judged(ahead))
 
 
 def _own_of_windows(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[Own | None]:

@@ -94,6 +94,7 @@ class ForecastRecord(RecordPart):
     covariance: CovarianceRows
     process_noise_m2_s3: Positive
     band: Positive
+    band_growth_m2_s: NotNegative = 0.0
 
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ForecastRecord:
@@ -104,13 +105,15 @@ class ForecastRecord(RecordPart):
 class ModelRecord(RecordPart):
     """The identified model: everything that a prediction needs.
 
-    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it; `roughness`
-    is the factor on the density of the beam's third derivative with which a drive is smoothed [1], `noise_share` what
-    of the scatter of its readings is then an error [1], `held_command` whether the angle is a command, held from stamp
-    to stamp and not smoothed; `readings_in_mean` is how many readings of a fast sensor make one that
-    `reading_variance_m2` is of; `visited_m` is from where to where positions were recorded, without half a percent of
-    the readings at either end, null if not known. `forecast` has what predictions use instead where parameters fitted
-    to forecasts predict held-out blocks surely better, else null.
+    `parameters` are scaled, their `covariance` is in their units, with null where the fit did not give it;
+    `roughness` is the factor on the density of the beam's third derivative with which a drive is smoothed [1],
+    `noise_share` what of the scatter of its readings is then an error [1], `held_command` whether the angle is a
+    command, held from stamp to stamp and not smoothed; `readings_in_mean` is how many readings of a fast sensor
+    make one that `reading_variance_m2` is of; the variance of a prediction is `band`² times what the filter and the
+    covariance foresee and `band_growth_m2_s` times the time since the last reading; `visited_m` is from where to
+    where positions were recorded, without half a percent of the readings at either end, null if not known.
+    `forecast` has what predictions use instead where parameters fitted to forecasts predict held-out blocks surely
+    better, else null.
     """
 
     rig: RigRecord
@@ -124,6 +127,7 @@ class ModelRecord(RecordPart):
     process_noise_m2_s3: Positive
     estimator: EstimatorName = "likelihood"
     band: Positive = 1.0
+    band_growth_m2_s: NotNegative = 0.0
     reading_variance_m2: Positive
     readings_in_mean: int = Field(default=1, ge=1)
     colour: ColourRecord = ColourRecord()

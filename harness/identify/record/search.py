@@ -12,7 +12,7 @@ from harness.identify.record.model import (
     RigRecord,
     SplineTermRecord,
 )
-from harness.identify.record.parts import Finite, Number, Positive, RecordPart
+from harness.identify.record.parts import Finite, NotNegative, Number, Positive, RecordPart
 
 
 class EvidenceRecord(RecordPart):
@@ -55,9 +55,10 @@ class FitRecord(RecordPart):
     """A fit of the ledger: hypothesis, scaled parameters, process noise, deviance and criterion.
 
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
-    `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated; errors exceeded the
-    foreseen standard deviations by the factor `band`. `covariance` is that of the parameters in their units, of fits
-    whose standard errors cannot be computed from the rest: those left behind by the search, and those to free runs.
+    `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated. Errors exceeded the
+    foreseen standard deviations by the factor `band`, beside a variance that grows by `band_growth_m2_s` from the last
+    reading on. `covariance` is that of the parameters in their units, of fits whose standard errors cannot be computed
+    from the rest: those left behind by the search, and those to free runs.
     """
 
     effects: tuple[FittedEffect, ...]
@@ -70,6 +71,7 @@ class FitRecord(RecordPart):
     estimator: EstimatorName = "likelihood"
     held_out_m: tuple[Number, ...] = ()
     band: Positive = 1.0
+    band_growth_m2_s: NotNegative = 0.0
     covariance: CovarianceRows = ()
 
     @model_validator(mode="after")

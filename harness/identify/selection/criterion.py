@@ -16,13 +16,14 @@ import numpy as np
 
 from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
-from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.problem.hypothesis import PHASE
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.settings import DEFAULT, Settings
 from harness.identify.problem.windows import AHEAD
 from harness.identify.selection.decision import NONE, Decision, Evidence, Rule
 from harness.metrics.bootstrap import Margin, mean_reduction
+from harness.numerics import TWO_SIDED
 
 
 @dataclass(frozen=True)

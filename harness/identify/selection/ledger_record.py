@@ -92,7 +92,8 @@ def fit_record(fit: Fit, criterion: Criterion, *, covariance: bool = False) -> F
         abandoned=fit.abandoned,
         estimator=fit.estimator.value,
         held_out_m=fit.held_out,
-        band=fit.band,
+        band=fit.band.factor,
+        band_growth_m2_s=fit.band.growth,
         covariance=tuple(map(tuple, fit.covariance.tolist())) if covariance else (),
     )
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.identify.estimate.band import Band
 from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit, quiet_deviance
@@ -167,7 +168,7 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
         entry.abandoned,
         Estimator(entry.estimator),
         tuple(map(_number, entry.held_out_m)),
-        entry.band,
+        Band(entry.band, entry.band_growth_m2_s),
         quiet_deviance(problem, at),
     )
 

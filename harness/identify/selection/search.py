@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.failures import Failures
-from harness.identify.estimate.cross_validation import with_band
+from harness.identify.estimate.block_errors import with_band
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -65,14 +65,14 @@ def search(
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
     )
-    if not _complete(problem, found, ledger.criterion) and predicts_poorly(problem, found):
+    poor = not _complete(problem, found, ledger.criterion) and predicts_poorly(problem, found)
+    if poor:
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors",
             lambda: search_by_held_out_errors(problem, *chosen, ledger, progress, jobs=jobs),
             chosen,
         )
-    if found.held_out:
         plain = found
         found = ledger.attempt("band of predictions", lambda: with_band(problem, plain, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.identify.estimate.band import fitted_band
 from harness.identify.estimate.block_errors import block_errors, group_fits, groups_of
-from harness.identify.estimate.cross_validation import widened
-from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit
+from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.free_run_fit import fit_free_runs
-from harness.identify.estimate.window_errors import normalised_errors, window_errors
+from harness.identify.estimate.window_errors import foreseen_errors, window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
@@ -65,8 +65,8 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS))
     held = [(part, block) for part, each in parts for block in each]
     errors = [rms(np.array(window_errors(problem, part, block.held_out))) for part, block in held]
-    ratios = [np.abs(normalised_errors(problem, part, block.held_out)) for part, block in held]
-    return replace(whole, held_out=tuple(errors), band=widened(ratios) / TWO_SIDED)
+    foreseen = [foreseen_errors(problem, part, block.held_out) for part, block in held]
+    return replace(whole, held_out=tuple(errors), band=fitted_band(foreseen, problem.reading_variance))
 
 
 def for_predictions(problem: Problem, found: Fit) -> Fit:

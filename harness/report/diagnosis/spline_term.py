@@ -6,8 +6,8 @@ import numpy as np
 
 from analytic.motion import FloatArray
 from harness.formatting import number
-from harness.identify.estimate.fit import TWO_SIDED
 from harness.identify.problem.spline_term import Regressor, SplineTerm
+from harness.numerics import TWO_SIDED
 from harness.report.chart import Chart, Panel, Trace
 from harness.report.clouds import Cloud, traces_of
 from harness.report.diagnosis.account import FOUND, Account

@@ -10,7 +10,7 @@ from analytic.effects import CATALOGUE
 from analytic.motion import FloatArray
 from harness.formatting import NONE, brief, number
 from harness.identify.design import proposal
-from harness.identify.estimate.fit import TWO_SIDED, Estimator
+from harness.identify.estimate.fit import Estimator
 from harness.identify.estimate.forecast import Forecast, forecast
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import known_first
@@ -18,7 +18,7 @@ from harness.identify.selection.criterion import Criterion
 from harness.identify.selection.decision import Rule
 from harness.identify.selection.ledger import Line
 from harness.identify.validation.beam_dependence import SIGNIFICANT
-from harness.numerics import rms
+from harness.numerics import TWO_SIDED, rms
 from harness.recording.findings import warnings_of
 from harness.report import plots
 from harness.report.chart import Chart, Mark, Panel, Trace

@@ -12,12 +12,13 @@ from analytic.motion import FloatArray
 from benchmarks.calibration.pose import experiment_of
 from benchmarks.calibration.trials import Trial
 from harness.identify.estimate.covariance import interval_jacobian, with_interval_covariance
-from harness.identify.estimate.fit import TWO_SIDED, Fit, fit
+from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.screening import information_inverse
 from harness.identify.filter import run as filter_run
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
+from harness.numerics import TWO_SIDED
 from harness.recording import load_case
 from harness.simulator import DEFLECTION, write_case
 from tests.posed import Posed

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.identify.estimate.fit import TWO_SIDED, Estimator, Fit, fit
+from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.window_errors import window_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.windows import fitted_windows
-from harness.numerics import rms
+from harness.numerics import TWO_SIDED, rms
 from tests.posed import Posed, pose
 
 ROLLING, TRUE = "rolling_resistance", 0.004

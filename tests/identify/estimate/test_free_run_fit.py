@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 from harness.identify.estimate import free_run_fit
-from harness.identify.estimate.cross_validation import cross_validated, widened, with_band
-from harness.identify.estimate.fit import TWO_SIDED, Estimator
+from harness.identify.estimate.block_errors import with_band
+from harness.identify.estimate.cross_validation import cross_validated
+from harness.identify.estimate.fit import Estimator
 from harness.identify.estimate.forecast import forecast
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.refit import refit
-from harness.identify.estimate.window_errors import normalised_errors
+from harness.identify.estimate.window_errors import foreseen_errors
 from harness.identify.estimate.window_runs import FreeRuns
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import blocks_of, fitted_windows, windows_of
+from harness.numerics import TWO_SIDED
 from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.006}, "channel_delay": {"delay": 0.05}}
@@ -101,7 +103,8 @@ def test_the_band_holds_held_out_readings(pair: Problem) -> None:
     """Widen or narrow the foreseen deviations so that 95 % of the readings lie within 1.96 of them."""
     fit = fit_free_runs(pair, Hypothesis(()), fitted_windows(pair.recordings)).fit
     found = with_band(pair, cross_validated(pair, fit))
-    errors = np.abs(normalised_errors(pair, found, windows_of(pair.recordings, 1.0))) / found.band
+    made = foreseen_errors(pair, found, windows_of(pair.recordings, 1.0))
+    errors = np.abs(made.error) / np.sqrt(found.band.variance(made.variance, made.ahead) + pair.reading_variance)
     # the same windows, predicted in sample: a little better than held out
     assert 0.93 < np.mean(errors < TWO_SIDED) < 0.99
 
@@ -114,29 +117,16 @@ def test_errors_are_held_against_the_deviations_of_a_forecast(pair: Problem) -> 
     recording = window.recording
     given = np.full_like(recording.reading, np.nan)
     given[window.use] = np.where(window.known, window.reading, np.nan)
-    made = forecast(pair, found, recording, given)
-    deviation = np.sqrt(made.deviation[window.use] ** 2 + pair.reading_variance)[window.judged]
-    error = (made.position[window.use] - window.reading)[window.judged]
-    ratio = normalised_errors(pair, found, [window]) * deviation / error
+    predicted = forecast(pair, found, recording, given)
+    deviation = np.sqrt(predicted.deviation[window.use] ** 2 + pair.reading_variance)[window.judged]
+    error = (predicted.position[window.use] - window.reading)[window.judged]
+    made = foreseen_errors(pair, found, [window])
+    np.testing.assert_allclose(made.error, error)
+    ratio = deviation / np.sqrt(made.variance + pair.reading_variance)
     # Standard deviations from 24 and 48 draws: their ratio is known within 3 √(1/48 + 1/96).
     np.testing.assert_allclose(np.median(ratio), 1.0, atol=0.53)
-    sure = normalised_errors(pair, replace(found, covariance=np.zeros_like(found.covariance)), [window])
-    assert np.median(np.abs(sure * deviation / error)) > 2.0
-
-
-@pytest.mark.parametrize("blocks", [4, 8, 16])
-def test_a_band_of_few_blocks_holds_95_percent_of_a_further_one(blocks: int) -> None:
-    """Be as wide as a further block needs where errors are alike within each; their plain quantile holds too little."""
-    generator = np.random.default_rng(blocks)
-    within, plain = [], []
-    for _ in range(400):
-        sizes = np.abs(generator.normal(size=blocks + 1))
-        *known, further = [size * np.abs(1.0 + 0.3 * generator.standard_normal(60)) for size in sizes]
-        within.append(np.mean(further <= widened(known)))
-        plain.append(np.mean(further <= np.quantile(np.concatenate(known), 0.95)))
-    # shares of single blocks scatter by some 0.2: a mean of 400 of them by 0.01
-    assert np.mean(within) == pytest.approx(0.95, abs=0.03)
-    assert np.mean(plain) < np.mean(within) - 0.01
+    sure = foreseen_errors(pair, replace(found, covariance=np.zeros_like(found.covariance)), [window])
+    assert np.median(deviation / np.sqrt(sure.variance + pair.reading_variance)) > 2.0
 
 
 def test_a_refit_is_made_by_the_same_estimator(pair: Problem) -> None:
