@@ -21,6 +21,7 @@ from benchmarks.calibration.store import sources_digest
 from benchmarks.calibration.trials import FINE, RIG, Trial, plan
 from benchmarks.kept_rows import KeptRows
 from benchmarks.sections import put
+from harness.errors import InputError
 from harness.identify.estimate.forecast import forecast
 from harness.identify.pose import problem_of
 from harness.identify.problem.problem import PreparedRecording
@@ -64,10 +65,13 @@ class Row(NamedTuple):
     deviation: float
 
 
-def measured(trial: Trial) -> Row:
-    """Diagnose the rig of a trial, and predict a further recording of it."""
+def measured(trial: Trial) -> Row | None:
+    """Diagnose the rig of a trial, and predict a further recording of it; `None` if the ball leaves the beam in it."""
     experiment = replace(experiment_of(trial), predict=1)
-    recordings = experiment.recordings()
+    try:
+        recordings = experiment.recordings()
+    except InputError:
+        return None
     with tempfile.TemporaryDirectory(prefix="bands-") as folder:
         write_case(Path(folder) / "case", experiment, recordings)
         case = load_case(Path(folder) / "case")
@@ -149,12 +153,17 @@ def trials(count: int) -> list[Trial]:
 
 
 def run(wanted: Iterable[Trial], kept: KeptRows) -> list[Row]:
-    """Rows of all these trials; those that are missing in the file are added to it one by one."""
+    """Rows of these trials, without those whose ball leaves the beam; missing ones are added to the file one by one."""
 
-    def told(trial: Trial, row: dict[str, Any]) -> None:
-        click.echo(f"{trial.name} #{trial.number}: {row['whole']:.0%}", err=True)
+    def told(trial: Trial, row: dict[str, Any] | None) -> None:
+        held = "the ball leaves the beam" if row is None else f"{row['whole']:.0%}"
+        click.echo(f"{trial.name} #{trial.number}: {held}", err=True)
 
-    return [Row(**row) for row in kept.of_trials(wanted, lambda trial: measured(trial)._asdict(), told)]
+    def result(trial: Trial) -> dict[str, Any] | None:
+        row = measured(trial)
+        return None if row is None else row._asdict()
+
+    return [Row(**row) for row in kept.of_trials(wanted, result, told) if row is not None]
 
 
 @click.command()

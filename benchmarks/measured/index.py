@@ -21,7 +21,7 @@ _LEGEND = (
     "fitted to the same windows ([diagnosis](diagnosis.md#diagnosisjson)). The least error of a rig is bold. Simple "
     "baselines: ball at rest, ball at constant velocity, double integrator. The output-error models are black boxes "
     "fitted to the forecast: in closed loop they may read the controller backwards. Below 1, the model with the "
-    "effects found predicts better; its parameters are fitted to forecasts where these surely predict better "
+    "effects found predicts better; its parameters are fitted to forecasts where these predict better "
     "([predictions](diagnosis.md#parameters-for-predictions))."
 )
 _FREE = (

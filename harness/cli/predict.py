@@ -51,7 +51,22 @@ def predict_recording(
         (scratch / record).write_text(sealed_json(told), encoding="utf-8")
     of_diagnosis = changed_since(kept.record, kept.origin), recorded_on_another_rig(kept.record, recording)
     warnings = (*filter(None, of_diagnosis), *map(str, warnings_of(read.findings)))
+    travel = kept.record.model.travel_m
     if not as_json:
-        return f"prediction: {target} ({len(table)} rows)", warnings
-    summary = {"out": str(target), "rows": len(table), "known": int(read.known.sum()), "findings": read.findings}
+        return f"prediction: {target} ({len(table)} rows{_within(travel)})", warnings
+    summary = {
+        "out": str(target),
+        "rows": len(table),
+        "known": int(read.known.sum()),
+        "travel_m": travel,
+        "findings": read.findings,
+    }
     return to_json(summary), warnings
+
+
+def _within(travel: tuple[float, float] | None) -> str:
+    """What is told of where predictions are kept, if they are."""
+    if travel is None:
+        return ""
+    low, high = travel
+    return f", kept between {low:.3g} and {high:.3g} m, where the ball was recorded"

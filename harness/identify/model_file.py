@@ -13,6 +13,7 @@ from analytic.rig import Rig
 from harness.errors import InputError
 from harness.identify.estimate.band import Band
 from harness.identify.estimate.fit import Estimator, Fit
+from harness.identify.estimate.travel import Travel
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Colour, PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
@@ -52,6 +53,7 @@ def model_record(problem: Problem, found: Fit, sensors: Sensors, forecasting: Fi
         estimator=found.estimator.value,
         band=found.band.factor,
         band_growth_m2_s=found.band.growth,
+        travel_m=(forecasting or found).travel.ends,
         reading_variance_m2=problem.reading_variance,
         readings_in_mean=problem.readings_in_mean,
         colour=colour_record(problem),
@@ -160,13 +162,14 @@ def read_model(kept: ModelRecord, recording: PreparedRecording, origin: str) -> 
         problem.readings,
         estimator=Estimator(kept.estimator),
         band=Band(kept.band, kept.band_growth_m2_s),
+        travel=Travel.of(kept.travel_m),
     )
     # The phases φ₀ in the file belong to other recordings; that of this one is estimated from its own readings.
     return replace(problem, recordings=(replace(recording, name=""),) * kept.phases), found
 
 
 def read_forecasting(kept: ModelRecord, recording: PreparedRecording, origin: str) -> tuple[Problem, Fit]:
-    """The problem and fit with which to predict `recording`: what was found, or what predicts surely better.
+    """The problem and fit with which to predict `recording`: what was found, or what predicts better.
 
     Args and errors are those of `read_model`.
     """

@@ -35,6 +35,7 @@ def test_a_third_of_the_rigs_hide_an_effect_and_a_third_have_imperfect_records()
 def test_a_rig_without_hidden_effect_is_predicted_within_its_band() -> None:
     """Hold most of what truly happened in the band, from the first second on."""
     row = measured(trials(3)[0])
+    assert row is not None
     assert not row.hidden
     assert row.whole > 0.8
     assert row.error < 5e-3

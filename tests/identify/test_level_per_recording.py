@@ -11,7 +11,7 @@ import pytest
 
 from analytic.effects import CATALOGUE
 from harness.errors import InputError
-from harness.identify.estimate.block_errors import with_band
+from harness.identify.estimate.block_errors import as_predicted
 from harness.identify.estimate.cross_validation import cross_validated, fit_without
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit, fit
@@ -157,7 +157,7 @@ def test_it_cannot_be_declared(case: Case) -> None:
 def test_held_out_blocks_are_foreseen_by_fits_to_fewer_recordings(problem: Problem) -> None:
     """Draw the parameters of a fit that has levels of some recordings alone, and calibrate the band by its errors."""
     whole = fit_free_runs(problem, Hypothesis((NAME,)), fitted_windows(problem.recordings)).fit
-    found = with_band(problem, cross_validated(problem, whole))
+    found = as_predicted(problem, cross_validated(problem, whole))
     assert 0.0 < found.band.factor < math.inf
     assert 0.0 <= found.band.growth < math.inf
     part = fit_without(problem, whole, blocks_of(problem.recordings)[0].fitted)

@@ -15,9 +15,10 @@ from harness.identify.estimate.cross_validation import fit_without
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.refit import refit
+from harness.identify.estimate.travel import ANYWHERE, travel_of
 from harness.identify.estimate.window_errors import foreseen_errors, tuned_to_windows, window_errors
 from harness.identify.problem.problem import PreparedRecording, Problem
-from harness.identify.problem.windows import Block, Window, block_groups, of_windows, without_predicted
+from harness.identify.problem.windows import Block, Window, block_groups, fitted_windows, of_windows, without_predicted
 from harness.numerics import rms
 from harness.parallel import side_by_side
 from harness.threads import in_threads
@@ -55,8 +56,8 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
     Args:
         whole: the fit to all recordings; if it was cross-validated, it brings its errors along.
     """
-    if whole.held_out:
-        return np.array(whole.held_out)
+    if kept := whole.forecast_errors or whole.held_out:
+        return np.array(kept)
     return np.array(
         [
             rms(np.array(window_errors(problem, part, block.held_out)))
@@ -66,18 +67,32 @@ def block_errors(problem: Problem, whole: Fit) -> FloatArray:
     )
 
 
-def with_band(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
-    """A fit with the band of its predictions, as it is without what can be held out.
+def as_predicted(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
+    """A fit that lacks physics, with travel, band and errors of its predictions, by fits without what is held out.
 
-    It takes as long as a cross-validation, and is asked of one fit alone.
+    It takes as long as a cross-validation, and is asked of one fit alone. Where nothing can be held out, it has the
+    travel alone.
 
     Args:
         jobs: processes for the fits without a group of blocks.
     """
     groups = groups_of(problem.recordings)
-    errors = side_by_side([partial(_foreseen, problem, found, *group) for group in groups], jobs)
-    blocks = list(chain.from_iterable(errors))
-    return replace(found, band=fitted_band(blocks, problem.reading_variance)) if blocks else found
+    kept = replace(found, travel=travel_of(fitted_windows(problem.recordings)))
+    if not groups:
+        return kept
+    blocks = list(chain.from_iterable(side_by_side([partial(_foreseen, problem, kept, *one) for one in groups], jobs)))
+    return foretold(kept, blocks, problem.reading_variance)
+
+
+def foretold(found: Fit, blocks: Sequence[Foreseen], reading_variance: float) -> Fit:
+    """A fit with the band and the errors of its predictions.
+
+    Args:
+        blocks: of each held-out block, by a fit without it.
+        reading_variance: of a reading's noise [m²].
+    """
+    errors = tuple(rms(block.error) for block in blocks)
+    return replace(found, band=fitted_band(blocks, reading_variance), forecast_errors=errors)
 
 
 def _foreseen(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> list[Foreseen]:
@@ -89,6 +104,12 @@ def _foreseen(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Se
 
 
 def _fit_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
+    """A fit without these blocks; its travel, where the whole fit has one, is that of what it is fitted to."""
+    part = _refitted_without(problem, whole, fitted, blocks)
+    return part if whole.travel == ANYWHERE else replace(part, travel=travel_of(fitted))
+
+
+def _refitted_without(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> Fit:
     if whole.estimator is Estimator.FREE_RUNS:
         return replace(fit_without(problem, whole, fitted), process_noise=whole.process_noise)
     if whole.estimator is Estimator.FORECASTS:

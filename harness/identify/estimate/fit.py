@@ -19,6 +19,7 @@ from scipy.optimize import least_squares, minimize_scalar
 from analytic.motion import FloatArray
 from harness.identify.estimate.band import AS_FORESEEN, Band
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
+from harness.identify.estimate.travel import ANYWHERE, Travel
 from harness.identify.filter import run as filter_run
 from harness.identify.filter.residuals import Residuals
 from harness.identify.problem.hypothesis import PHASE, Hypothesis, Terms, own_key
@@ -60,6 +61,8 @@ class Fit:
         estimator: of the parameters; process noise and deviance are those of the filter in any case.
         held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
         band: of its predictions, by errors of held-out blocks if it was held against them.
+        travel: within which its predictions are kept.
+        forecast_errors: as `held_out`, of predictions that are kept within the travel of what was not held out [m].
         quiet_deviance: deviance of the same terms without process noise.
     """
 
@@ -74,6 +77,8 @@ class Fit:
     estimator: Estimator = Estimator.LIKELIHOOD
     held_out: tuple[float, ...] = ()
     band: Band = AS_FORESEEN
+    travel: Travel = ANYWHERE
+    forecast_errors: tuple[float, ...] = ()
     quiet_deviance: float = math.inf
 
     @property

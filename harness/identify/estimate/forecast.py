@@ -25,7 +25,7 @@ class Forecast:
 
     Attributes:
         time: stamps, shape (n,) [s].
-        position: predicted reading, filtered where readings are known, shape (n,) [m].
+        position: predicted reading, filtered where readings are known, within the travel of the fit, shape (n,) [m].
         deviation: its standard deviation from angle, initial state and parameters, shape (n,) [m].
         state: s [m] and ṡ [m/s], shape (n, 2).
     """
@@ -79,7 +79,8 @@ def forecast(problem: Problem, found: Fit, recording: PreparedRecording, reading
     """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
     The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit, and what
-    the recording has of its own from its deviations; the band of the fit tells how much of it errors have.
+    the recording has of its own from its deviations; the band of the fit tells how much of it errors have. Positions
+    are kept within the travel of the fit and what is known of the recording.
     """
     own = own_of(problem, found, recording, reading)
     best = run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)
@@ -96,7 +97,8 @@ def forecast(problem: Problem, found: Fit, recording: PreparedRecording, reading
         drawn += 1
     foreseen = best.recorded_variance + square / max(drawn, 1)
     variance = found.band.variance(foreseen, _since_reading(recording.time, reading))
-    return Forecast(recording.time, best.recorded, np.sqrt(variance), best.state[:, :2])
+    position = found.travel.kept(best.recorded, reading)
+    return Forecast(recording.time, position, np.sqrt(variance), best.state[:, :2])
 
 
 def _since_reading(time: FloatArray, reading: FloatArray) -> FloatArray:

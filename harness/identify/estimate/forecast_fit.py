@@ -19,6 +19,7 @@ from harness.identify.estimate.band import AS_FORESEEN
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
 from harness.identify.estimate.soft_l1 import sandwich_covariance, scale_of, weights
+from harness.identify.estimate.travel import ANYWHERE
 from harness.identify.estimate.window_errors import DENSITIES, forecast_errors
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
@@ -36,6 +37,7 @@ def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fi
     Args:
         begin: a fit without a spline term, and without values that recordings have of their own.
     """
+    begin = replace(begin, travel=ANYWHERE, forecast_errors=())  # predictions that are kept at an end tell no slope
     hypothesis = begin.hypothesis
     lowest, highest = np.log10(DENSITIES[[0, -1]])
     low, high = hypothesis.bounds(problem)

@@ -35,7 +35,9 @@ def window_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> li
 def forecast_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> list[FloatArray]:
     """Prediction − reading in the predicted part of every window, shape (its readings,) each [m]."""
     runs = _runs(problem, found, windows, _own_of_windows(problem, found, windows))
-    return [(bounded(run.recorded) - window.reading)[window.judged] for window, run in zip(windows, runs, strict=True)]
+    return [
+        (_kept(found, run, window) - window.reading)[window.judged] for window, run in zip(windows, runs, strict=True)
+    ]
 
 
 def foreseen_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> Foreseen:
@@ -50,7 +52,7 @@ def foreseen_errors(problem: Problem, found: Fit, windows: Sequence[Window]) -> 
         drawn = _runs(problem, replace(found, terms=terms), windows, own)
         for variance, one, other in zip(variances, drawn, runs, strict=True):
             variance += (bounded(one.recorded) - bounded(other.recorded)) ** 2 / _DRAWS
-    errors = [bounded(run.recorded) - window.reading for window, run in zip(windows, runs, strict=True)]
+    errors = [_kept(found, run, window) - window.reading for window, run in zip(windows, runs, strict=True)]
     ahead = [window.time - window.time[window.known][-1] for window in windows]
 
     def judged(each: Sequence[FloatArray]) -> FloatArray:
@@ -92,6 +94,11 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence
             ]
         runs |= dict(zip(places, done, strict=True))
     return [runs[i] for i in range(len(windows))]
+
+
+def _kept(found: Fit, run: FilterRun, window: Window) -> FloatArray:
+    """Predictions of a window, within the travel of the fit, shape (m,) [m]."""
+    return found.travel.kept(bounded(run.recorded), window.reading[window.known])
 
 
 def bounded(predicted: FloatArray) -> FloatArray:

@@ -83,7 +83,7 @@ class ColourRecord(RecordPart):
 
 
 class ForecastRecord(RecordPart):
-    """What predictions use in place of the same of the model: fitted to forecasts, and surely better at these.
+    """What predictions use in place of the same of the model: fitted to forecasts, and better at these.
 
     The effects are those of the model, or, where nothing was found and there were blocks enough, also those that are
     common on measured rigs.
@@ -110,10 +110,10 @@ class ModelRecord(RecordPart):
     `noise_share` what of the scatter of its readings is then an error [1], `held_command` whether the angle is a
     command, held from stamp to stamp and not smoothed; `readings_in_mean` is how many readings of a fast sensor
     make one that `reading_variance_m2` is of; the variance of a prediction is `band`² times what the filter and the
-    covariance foresee and `band_growth_m2_s` times the time since the last reading; `visited_m` is from where to
-    where positions were recorded, without half a percent of the readings at either end, null if not known.
-    `forecast` has what predictions use instead where parameters fitted to forecasts predict held-out blocks surely
-    better, else null.
+    covariance foresee and `band_growth_m2_s` times the time since the last reading; predictions are kept within
+    `travel_m`, the positions recorded, where the model lacks physics, else null; `visited_m` is from where to where
+    positions were recorded, without half a percent of the readings at either end, null if not known. `forecast` has
+    what predictions use instead where parameters fitted to forecasts predict held-out blocks better, else null.
     """
 
     rig: RigRecord
@@ -128,6 +128,7 @@ class ModelRecord(RecordPart):
     estimator: EstimatorName = "likelihood"
     band: Positive = 1.0
     band_growth_m2_s: NotNegative = 0.0
+    travel_m: tuple[Finite, Finite] | None = None
     reading_variance_m2: Positive
     readings_in_mean: int = Field(default=1, ge=1)
     colour: ColourRecord = ColourRecord()
@@ -140,8 +141,10 @@ class ModelRecord(RecordPart):
     @model_validator(mode="after")
     def _with_its_covariance(self) -> ModelRecord:
         _check_covariance(self.covariance, len(self.parameters))
-        if self.visited_m is not None and not self.visited_m[0] <= self.visited_m[1]:
-            raise ValueError("visited_m ends before it begins")
+        for name in ("visited_m", "travel_m"):
+            reach = getattr(self, name)
+            if reach is not None and not reach[0] <= reach[1]:
+                raise ValueError(f"{name} ends before it begins")
         return self
 
 

@@ -72,6 +72,8 @@ class FitRecord(RecordPart):
     held_out_m: tuple[Number, ...] = ()
     band: Positive = 1.0
     band_growth_m2_s: NotNegative = 0.0
+    travel_m: tuple[Finite, Finite] | None = None
+    forecast_errors_m: tuple[Number, ...] = ()
     covariance: CovarianceRows = ()
 
     @model_validator(mode="after")

@@ -94,6 +94,8 @@ def fit_record(fit: Fit, criterion: Criterion, *, covariance: bool = False) -> F
         held_out_m=fit.held_out,
         band=fit.band.factor,
         band_growth_m2_s=fit.band.growth,
+        travel_m=fit.travel.ends,
+        forecast_errors_m=fit.forecast_errors,
         covariance=tuple(map(tuple, fit.covariance.tolist())) if covariance else (),
     )
 

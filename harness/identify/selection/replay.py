@@ -15,6 +15,7 @@ from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit, quiet_deviance
 from harness.identify.estimate.free_run_fit import in_sample_losses
+from harness.identify.estimate.travel import Travel
 from harness.identify.filter.run import deviance
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -169,6 +170,8 @@ def _evaluated(entry: FitRecord, problem: Problem) -> Fit:
         Estimator(entry.estimator),
         tuple(map(_number, entry.held_out_m)),
         Band(entry.band, entry.band_growth_m2_s),
+        Travel.of(entry.travel_m),
+        tuple(map(_number, entry.forecast_errors_m)),
         quiet_deviance(problem, at),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.failures import Failures
-from harness.identify.estimate.block_errors import with_band
+from harness.identify.estimate.block_errors import as_predicted
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
@@ -74,7 +74,7 @@ def search(
             chosen,
         )
         plain = found
-        found = ledger.attempt("band of predictions", lambda: with_band(problem, plain, jobs=jobs), plain)
+        found = ledger.attempt("band of predictions", lambda: as_predicted(problem, plain, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))
 
 

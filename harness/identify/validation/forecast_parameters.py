@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.identify.estimate.band import fitted_band
-from harness.identify.estimate.block_errors import block_errors, group_fits, groups_of
+from harness.identify.estimate.block_errors import block_errors, foretold, group_fits, groups_of
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.free_run_fit import fit_free_runs
-from harness.identify.estimate.window_errors import foreseen_errors, window_errors
+from harness.identify.estimate.travel import travel_of
+from harness.identify.estimate.window_errors import foreseen_errors
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
@@ -19,7 +19,6 @@ from harness.identify.selection.candidates import common_effects, predicts_poorl
 from harness.identify.selection.criterion import Criterion
 from harness.identify.validation.baseline_comparison import AFTER, FORECASTS, BaselineComparison
 from harness.metrics.bootstrap import FEWEST
-from harness.numerics import rms
 from harness.progress import Progress, silent
 
 _BLOCKS_FOR_EACH = 2  # parameters and process noise: of fewer blocks a fit to forecasts learns the errors by heart
@@ -59,23 +58,21 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     begin = found
     if hypothesis != found.hypothesis:
         begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
-    whole = fit_forecasts(problem, begin, windows)
+    whole, travel = fit_forecasts(problem, begin, windows), travel_of(windows)
     if not np.all(np.isfinite(whole.covariance)):
         return None
-    parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS))
-    held = [(part, block) for part, each in parts for block in each]
-    errors = [rms(np.array(window_errors(problem, part, block.held_out))) for part, block in held]
-    foreseen = [foreseen_errors(problem, part, block.held_out) for part, block in held]
-    return replace(whole, held_out=tuple(errors), band=fitted_band(foreseen, problem.reading_variance))
+    parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS, travel=travel))
+    foreseen = [foreseen_errors(problem, part, block.held_out) for part, each in parts for block in each]
+    return foretold(replace(whole, travel=travel), foreseen, problem.reading_variance)
 
 
 def for_predictions(problem: Problem, found: Fit) -> Fit:
-    """The fit with which predictions are made: what was found, or the fit to forecasts if it surely predicts better.
+    """The fit with which predictions are made: what was found, or the fit to forecasts if it predicts better.
 
     As a diagnosis has them, for who does not compare with the baselines too.
     """
     fitted = fitted_to_forecasts(problem, found)
     if fitted is None:
         return found
-    compared = BaselineComparison({AFTER: block_errors(problem, found), FORECASTS: np.array(fitted.held_out)})
+    compared = BaselineComparison({AFTER: block_errors(problem, found), FORECASTS: block_errors(problem, fitted)})
     return fitted if compared.predicting == FORECASTS else found
