@@ -178,7 +178,7 @@ def _errors(rig: Rig) -> list[str]:
     )
     fitted = []
     if FORECASTS in compared.errors_m:
-        used = "use them" if compared.predicting == FORECASTS else "do not use them: that they are better is not sure"
+        used = "use them" if compared.predicting == FORECASTS else "do not use them, as they predict no better"
         fitted = [
             "Parameters fitted to forecasts are those with which the filter predicts the windows best: of the effects "
             "found, or, where none was, of such as are common on measured rigs. They are for predictions alone; the "

@@ -229,10 +229,19 @@ def _picture(account: Account) -> plots.Picture:
         f"{shown.name}, predicted from the recorded angle and the positions of the first {brief(_known(account))} s "
         f"alone (shaded). RMS error after them: {', '.join(ends)}. Band: ± 2 σ of the last of them, below including "
         "reading noise. Parameters are those of the verdict, fitted to this recording "
-        f"too{others}; for held-out errors see below.",
+        f"too{others}; for held-out errors see below.{_kept(account)}",
         chart(account, runs),
         "Triangles: a line leaves the frame.",
     )
+
+
+def _kept(account: Account) -> str:
+    """What is told of where predictions are kept, if they are."""
+    ends = account.diagnosis.found.travel.ends
+    if ends is None:
+        return ""
+    low, high = map(number, ends)
+    return f" Predictions with the effects found are kept between {low} and {high} m, where the ball was recorded."
 
 
 CHART = "before-after"
