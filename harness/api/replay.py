@@ -37,7 +37,8 @@ _APART = ("ledger", "fits", "found", "problem", "inputs", "failures", "wall_time
 _SPARED = {
     "engines": "errors of the engines (--engines runs them)",
     "also": "errors on further recordings, and findings about the input",
-    "covariance": "standard errors and band of fits to free runs, on which the intervals rest",
+    "covariance": "standard errors of fits to free runs, on which the intervals rest",
+    "predictions": "band, travel and held-out errors of the predictions of a model that was found to predict poorly",
     "failures": "parts that failed, on which what was left out rests",
 }
 
@@ -257,6 +258,7 @@ def _unverified(record: DiagnosisRecord, engines: bool) -> tuple[str, ...]:
         "engines": not engines and bool(record.errors.engines),
         "also": bool(record.errors.also),
         "covariance": record.model.estimator == "free_runs",
+        "predictions": any(record.fits[record.found].forecast_errors_m) if record.found in record.fits else False,
         "failures": bool(record.failures),
     }
     return tuple(_SPARED[name] for name, is_spared in spared.items() if is_spared)

@@ -75,6 +75,18 @@ def test_a_changed_diagnosis_is_noticed(harness: Harness, case: Path, tmp_path: 
     assert "has been changed since `diagnose` wrote it" in done.err
 
 
+def test_where_predictions_are_kept_is_told(harness: Harness, case: Path, tmp_path: Path) -> None:
+    """Say from where to where predictions are kept with a model that has a range of travel, in JSON too."""
+    out, recording = tmp_path / "predicted.csv", case / "rec_01.csv"
+    assert "kept" not in harness("predict", case, recording, "--out", out).out
+    content = json.loads((case / "diagnosis.json").read_text(encoding="utf-8"))
+    content["model"]["travel_m"] = [-0.25, 0.125]
+    (case / "diagnosis.json").write_text(json.dumps(content), encoding="utf-8")
+    done = harness("predict", case, recording, "--out", out)
+    assert "kept between -0.25 and 0.125 m, where the ball was recorded" in done.out
+    assert json.loads(harness("predict", case, recording, "--out", out, "--json").out)["travel_m"] == [-0.25, 0.125]
+
+
 @pytest.mark.slow
 def test_a_comparison_replaces_only_its_own_result(harness: Harness, case: Path, tmp_path: Path) -> None:
     """Replace an earlier result; refuse an edited report and a file of the user's before anything is computed."""

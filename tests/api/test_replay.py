@@ -11,7 +11,7 @@ import pytest
 
 import harness
 from harness.identify.record import DiagnosisRecord
-from harness.identify.selection.ledger_record import digest
+from harness.identify.selection.ledger_record import digest, fit_hash
 from harness.simulator import Experiment, write_case
 from tests.shared_data import BUNDLED_RIG
 
@@ -173,3 +173,15 @@ def test_a_step_that_failed_excuses_no_empty_ledger(content: Content, case: Path
     _empty(content)
     content["failures"] = [{"part": "search", "name": "swaps", "message": "failed", "where": ""}]
     assert "ledger" in differing(content, case, tmp_path)
+
+
+def test_fits_of_earlier_files_keep_their_names(content: Content) -> None:
+    """Find a fit by its hash in a file without the keys that came later; what such a key says changes the hash."""
+    fits = content["fits"]
+    for entry in fits.values():
+        for key in ("band_growth_m2_s", "travel_m", "forecast_errors_m"):
+            assert not entry.pop(key)
+    record = DiagnosisRecord.model_validate(content)
+    assert all(fit_hash(record.problem, entry) == name for name, entry in record.fits.items())
+    name, entry = next(iter(record.fits.items()))
+    assert fit_hash(record.problem, entry.model_copy(update={"travel_m": (0.1, 0.2)})) != name

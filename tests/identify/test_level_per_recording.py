@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,13 +10,13 @@ import pytest
 
 from analytic.effects import CATALOGUE
 from harness.errors import InputError
-from harness.identify.estimate.block_errors import as_predicted
 from harness.identify.estimate.cross_validation import cross_validated, fit_without
 from harness.identify.estimate.drawn import drawn_terms
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.estimate.forecast import forecast
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.own_values import own_deviations, own_of
+from harness.identify.estimate.predictions import as_predicted
 from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
@@ -157,9 +156,10 @@ def test_it_cannot_be_declared(case: Case) -> None:
 def test_held_out_blocks_are_foreseen_by_fits_to_fewer_recordings(problem: Problem) -> None:
     """Draw the parameters of a fit that has levels of some recordings alone, and calibrate the band by its errors."""
     whole = fit_free_runs(problem, Hypothesis((NAME,)), fitted_windows(problem.recordings)).fit
-    found = as_predicted(problem, cross_validated(problem, whole))
-    assert 0.0 < found.band.factor < math.inf
-    assert 0.0 <= found.band.growth < math.inf
+    found = as_predicted(problem, cross_validated(problem, whole), kept=False)
+    np.testing.assert_allclose(
+        found.forecast_errors, found.held_out, rtol=0.05
+    )  # nothing is kept, and no reading lacks
     part = fit_without(problem, whole, blocks_of(problem.recordings)[0].fitted)
     assert len(part.terms.recordings) < len(problem.recordings)
     drawn = list(drawn_terms(problem, part, 3, np.random.default_rng(0)))

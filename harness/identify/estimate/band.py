@@ -20,8 +20,8 @@ from harness.numerics import TWO_SIDED
 
 _SHARE = 0.95  # of the readings that the band shall hold
 _FREEDOM = 4.0  # degrees of freedom of Student's t: blocks are few, and in some the ball meets what others do not tell
-# Starting points, and bounds, of the squared factor [1] and of the growth [m²/s]. Errors that are below those of a
-# reading do not tell a factor, which then stays at half.
+# Starting points, and bounds, of the squared factor [1] and of the growth [m²/s]. Errors below those of a reading tell
+# no factor, which the bounds keep from vanishing.
 _FACTORS, _GROWTHS = np.log([0.5, 1.0, 10.0, 100.0]), np.log([1e-8, 1e-6, 1e-4, 1e-2])
 _SCALES = np.log([0.5, 1e3])  # least and largest of what factor and root of growth are scaled by in the end
 _CLOSE = 1e-3  # to which it is found

@@ -62,7 +62,8 @@ class Fit:
         held_out: RMS error of every block by a fit without it [m], if it was cross-validated.
         band: of its predictions, by errors of held-out blocks if it was held against them.
         travel: within which its predictions are kept.
-        forecast_errors: as `held_out`, of predictions that are kept within the travel of what was not held out [m].
+        forecast_errors: RMS error of every block as a fit without it predicts it, with the process noise of this fit
+            and within the travel of the windows that it is fitted to [m]; empty unless the band was fitted.
         quiet_deviance: deviance of the same terms without process noise.
     """
 

@@ -79,8 +79,9 @@ def forecast(problem: Problem, found: Fit, recording: PreparedRecording, reading
     """Predict one recording from the known readings, shape (n,), NaN where missing [m].
 
     The variance is that of the filter plus that of runs with parameters drawn from the covariance of the fit, and what
-    the recording has of its own from its deviations; the band of the fit tells how much of it errors have. Positions
-    are kept within the travel of the fit and what is known of the recording.
+    the recording has of its own from its deviations; the deviation follows from it and the time since the last reading
+    by the band of the fit. Positions are kept within the travel of the fit and what is known of the recording; their
+    deviation is that of a free ball.
     """
     own = own_of(problem, found, recording, reading)
     best = run_filter(problem, recording, found.terms, found.process_noise, own=own, reading=reading)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.motion import FloatArray
+from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import Window
 
 
@@ -50,7 +51,7 @@ class Travel:
 ANYWHERE = Travel()
 
 
-def travel_of(windows: Sequence[Window]) -> Travel:
-    """From the lowest to the highest reading of these windows."""
-    readings = np.concatenate([window.reading for window in windows])
+def travel_of(parts: Sequence[PreparedRecording] | Sequence[Window]) -> Travel:
+    """From the lowest to the highest reading of recordings or windows, one of which has a reading."""
+    readings = np.concatenate([part.reading for part in parts])
     return Travel(float(np.nanmin(readings)), float(np.nanmax(readings)))

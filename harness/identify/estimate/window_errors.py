@@ -98,7 +98,8 @@ def _runs(problem: Problem, found: Fit, windows: Sequence[Window], own: Sequence
 
 def _kept(found: Fit, run: FilterRun, window: Window) -> FloatArray:
     """Predictions of a window, within the travel of the fit, shape (m,) [m]."""
-    return found.travel.kept(bounded(run.recorded), window.reading[window.known])
+    # What comes to no number stays far away: it is no prediction of the end.
+    return bounded(found.travel.kept(run.recorded, window.reading[window.known]))
 
 
 def bounded(predicted: FloatArray) -> FloatArray:

@@ -57,7 +57,8 @@ class FitRecord(RecordPart):
     `abandoned` if it was not continued to convergence, as it was behind the best candidate or none promised anything.
     `held_out_m` is the RMS error of every held-out block, where the fit was cross-validated. Errors exceeded the
     foreseen standard deviations by the factor `band`, beside a variance that grows by `band_growth_m2_s` from the last
-    reading on. `covariance` is that of the parameters in their units, of fits whose standard errors cannot be computed
+    reading on; `forecast_errors_m` is `held_out_m` of predictions, which are kept within `travel_m` unless it is null.
+    `covariance` is that of the parameters in their units, of fits whose standard errors cannot be computed
     from the rest: those left behind by the search, and those to free runs.
     """
 

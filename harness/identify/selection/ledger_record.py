@@ -33,6 +33,7 @@ from harness.identify.selection.ledger import Line
 from harness.identify.selection.search import Selection
 from harness.provenance import canonical
 
+_LATER = ("band_growth_m2_s", "travel_m", "forecast_errors_m")  # keys of a fit that earlier files lack
 _DIGITS = 16  # of a hash: with 64 bits a collision among some thousand decisions is excluded
 
 
@@ -129,8 +130,12 @@ def _keeps_covariance(fit: Fit, found: Fit) -> bool:
 
 
 def fit_hash(posed: ProblemRecord, record: FitRecord) -> str:
-    """Name of a fit in the table `fits`."""
-    return digest([posed.hash, record.model_dump(mode="json")])
+    """Name of a fit in the table `fits`; a key that came later counts where it says something."""
+    content = record.model_dump(mode="json")
+    for key in _LATER:
+        if not content[key]:
+            del content[key]
+    return digest([posed.hash, content])
 
 
 def _line(line: Line, name_of: Callable[[Fit], str]) -> LedgerLine:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.failures import Failures
-from harness.identify.estimate.block_errors import as_predicted
 from harness.identify.estimate.fit import Fit, fit
+from harness.identify.estimate.predictions import as_predicted
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.selection.beam_roughness import with_beam_roughness
@@ -65,8 +65,7 @@ def search(
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
     )
-    poor = not _complete(problem, found, ledger.criterion) and predicts_poorly(problem, found)
-    if poor:
+    if _predicts_as_incomplete(problem, found, ledger.criterion):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors",
@@ -74,8 +73,14 @@ def search(
             chosen,
         )
         plain = found
-        found = ledger.attempt("band of predictions", lambda: as_predicted(problem, plain, jobs=jobs), plain)
+        kept = _predicts_as_incomplete(problem, plain, ledger.criterion)
+        found = ledger.attempt("band of predictions", lambda: as_predicted(problem, plain, kept=kept, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))
+
+
+def _predicts_as_incomplete(problem: Problem, found: Fit, criterion: Criterion) -> bool:
+    """Whether windows are predicted poorly, for want of what the fit lacks."""
+    return not _complete(problem, found, criterion) and predicts_poorly(problem, found)
 
 
 def _complete(problem: Problem, found: Fit, criterion: Criterion) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from analytic.motion import FloatArray
 from harness.identify.estimate.block_errors import block_errors, groups_of
 from harness.identify.estimate.fit import Fit
+from harness.identify.estimate.travel import ANYWHERE, travel_of
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
 from harness.identify.validation.baselines import BLACK_BOXES, FITS
@@ -40,8 +41,8 @@ class BaselineComparison:
     def predicting(self) -> str:
         """The source with which predictions are made: after, or fitted to forecasts if that predicts better.
 
-        Whether it surely does is not asked: the two have as many parameters, nothing is claimed of the rig by either,
-        and whichever has the lower held-out error is expected to predict better.
+        Whether it surely does is not asked: nothing is claimed of the rig by either, held-out errors count parameters
+        by themselves, and whichever has the lower one is expected to predict better.
         """
         if FORECASTS not in self.errors or self.blocks < FEWEST:
             return AFTER
@@ -71,6 +72,7 @@ def compare_with_baselines(
     """Errors of the model, before and after, and of the baselines on held-out blocks; `None` without any block.
 
     For each group of blocks that are held out together, every source is fitted to the same windows, from a fit to all.
+    Where predictions of the model are kept within a travel, so are those of every source.
 
     Args:
         base, found: fits to all recordings, without and with the identified terms.
@@ -80,9 +82,13 @@ def compare_with_baselines(
     if not groups:
         return None
     progress("baselines: the model without held-out blocks")
-    errors = {BEFORE: block_errors(problem, base)}
-    same = found.hypothesis == base.hypothesis and found.estimator is base.estimator
-    errors[AFTER] = errors[BEFORE] if same else block_errors(problem, found)
+    after = block_errors(problem, found)
+    if found.hypothesis == base.hypothesis and found.estimator is base.estimator:
+        before = after
+    else:
+        as_found = base if found.travel == ANYWHERE else replace(base, travel=found.travel, held_out=())
+        before = block_errors(problem, as_found)
+    errors = {BEFORE: before, AFTER: after}
     if forecasting is not None:
         errors[FORECASTS] = block_errors(problem, forecasting)
     for name, fit in FITS.items():
@@ -91,8 +97,10 @@ def compare_with_baselines(
         whole = fit(fitted_windows(problem.recordings))
         for fitted, blocks in groups:
             baseline = fit(fitted, near=whole)
+            travel = ANYWHERE if found.travel == ANYWHERE else travel_of(fitted)
             for block in blocks:
-                predicted = [window.rms_error(baseline.predict(window)) for window in block.held_out]
-                of_blocks.append(rms(np.array(predicted)))
+                predicted = [travel.kept(baseline.predict(one), one.reading[one.known]) for one in block.held_out]
+                each = [window.rms_error(one) for window, one in zip(block.held_out, predicted, strict=True)]
+                of_blocks.append(rms(np.array(each)))
         errors[name] = np.array(of_blocks)
     return BaselineComparison(errors)

@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.identify.estimate.block_errors import block_errors, foretold, group_fits, groups_of
+from harness.identify.estimate.block_errors import block_errors, groups_of
 from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.free_run_fit import fit_free_runs
-from harness.identify.estimate.travel import travel_of
-from harness.identify.estimate.window_errors import foreseen_errors
+from harness.identify.estimate.predictions import as_predicted
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
@@ -58,12 +57,11 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     begin = found
     if hypothesis != found.hypothesis:
         begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
-    whole, travel = fit_forecasts(problem, begin, windows), travel_of(windows)
+    whole = fit_forecasts(problem, begin, windows)
     if not np.all(np.isfinite(whole.covariance)):
         return None
-    parts = group_fits(problem, replace(begin, estimator=Estimator.FORECASTS, travel=travel))
-    foreseen = [foreseen_errors(problem, part, block.held_out) for part, each in parts for block in each]
-    return foretold(replace(whole, travel=travel), foreseen, problem.reading_variance)
+    foretold = as_predicted(problem, replace(begin, estimator=Estimator.FORECASTS), kept=True)
+    return replace(whole, travel=foretold.travel, band=foretold.band, forecast_errors=foretold.forecast_errors)
 
 
 def for_predictions(problem: Problem, found: Fit) -> Fit:

@@ -238,7 +238,7 @@ def _picture(account: Account) -> plots.Picture:
 def _kept(account: Account) -> str:
     """What is told of where predictions are kept, if they are."""
     ends = account.diagnosis.found.travel.ends
-    if ends is None:
+    if ends is None or not account.changed:
         return ""
     low, high = map(number, ends)
     return f" Predictions with the effects found are kept between {low} and {high} m, where the ball was recorded."
