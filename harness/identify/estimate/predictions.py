@@ -20,18 +20,16 @@ from harness.parallel import side_by_side
 from harness.threads import in_threads
 
 
-def as_predicted(problem: Problem, found: Fit, *, kept: bool, jobs: int = 1) -> Fit:
-    """A fit with the band and the errors of its predictions, by fits without what is held out.
+def as_predicted(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
+    """A fit with the travel of the recordings, and band and errors of its predictions by fits without what is held out.
 
-    It takes as long as a cross-validation, and is asked of one fit alone. Where nothing can be held out, band and
-    errors stay as they are.
+    For recordings that the likelihood does not explain. It takes as long as a cross-validation, and is asked of one fit
+    alone. Where nothing can be held out, band and errors stay as they are.
 
     Args:
-        kept: whether predictions are kept within the travel of the recordings.
         jobs: processes for the fits without a group of blocks; 1 for threads.
     """
-    if kept:
-        found = replace(found, travel=travel_of(problem.recordings))
+    found = replace(found, travel=travel_of(problem.recordings))
     groups = groups_of(problem.recordings)
     work = [partial(_foreseen, problem, found, *group) for group in groups]
     blocks = list(chain.from_iterable(side_by_side(work, jobs) if jobs > 1 else in_threads(_called, work)))

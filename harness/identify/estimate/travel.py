@@ -1,4 +1,4 @@
-"""The travel within which predictions are kept that a model makes which lacks physics.
+"""The travel within which predictions are kept where the likelihood does not explain the recordings.
 
 A beam ends somewhere, and a controller keeps the ball from there. Neither is in the equation of motion: a model that is
 wrong by a little has its ball leave the beam, and never return. Nothing in the recordings tells what a ball does

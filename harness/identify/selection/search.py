@@ -65,7 +65,7 @@ def search(
     found = ledger.attempt(
         "correlated scores", lambda: without_correlated(problem, selected, ledger, progress), selected
     )
-    if _predicts_as_incomplete(problem, found, ledger.criterion):
+    if not _complete(problem, found, ledger.criterion) and predicts_poorly(problem, found):
         chosen = base, found
         base, found = ledger.attempt(
             "search by held-out errors",
@@ -73,14 +73,8 @@ def search(
             chosen,
         )
         plain = found
-        kept = _predicts_as_incomplete(problem, plain, ledger.criterion)
-        found = ledger.attempt("band of predictions", lambda: as_predicted(problem, plain, kept=kept, jobs=jobs), plain)
+        found = ledger.attempt("band of predictions", lambda: as_predicted(problem, plain, jobs=jobs), plain)
     return Selection(problem, base, found, tuple(ledger.lines))
-
-
-def _predicts_as_incomplete(problem: Problem, found: Fit, criterion: Criterion) -> bool:
-    """Whether windows are predicted poorly, for want of what the fit lacks."""
-    return not _complete(problem, found, criterion) and predicts_poorly(problem, found)
 
 
 def _complete(problem: Problem, found: Fit, criterion: Criterion) -> bool:

@@ -60,7 +60,7 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     whole = fit_forecasts(problem, begin, windows)
     if not np.all(np.isfinite(whole.covariance)):
         return None
-    foretold = as_predicted(problem, replace(begin, estimator=Estimator.FORECASTS), kept=True)
+    foretold = as_predicted(problem, replace(begin, estimator=Estimator.FORECASTS))
     return replace(whole, travel=foretold.travel, band=foretold.band, forecast_errors=foretold.forecast_errors)
 
 

@@ -102,7 +102,7 @@ def test_held_out_blocks_are_predicted_better_with_what_acts(pair: Problem) -> N
 def test_the_band_holds_held_out_readings(pair: Problem) -> None:
     """Widen or narrow the foreseen deviations so that 95 % of the readings lie within 1.96 of them."""
     fit = fit_free_runs(pair, Hypothesis(()), fitted_windows(pair.recordings)).fit
-    found = as_predicted(pair, cross_validated(pair, fit), kept=False)
+    found = as_predicted(pair, cross_validated(pair, fit))
     made = foreseen_errors(pair, found, windows_of(pair.recordings, 1.0))
     errors = np.abs(made.error) / np.sqrt(found.band.variance(made.variance, made.ahead) + pair.reading_variance)
     # the same windows, predicted in sample: a little better than held out

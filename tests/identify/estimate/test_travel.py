@@ -1,4 +1,4 @@
-"""Predictions of a model that lacks physics stay where the ball was recorded; those of a complete one go anywhere."""
+"""Predictions stay where the ball was recorded, unless the likelihood explains the recordings."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def tilted(tmp_path_factory: pytest.TempPathFactory) -> Posed:
 @pytest.fixture(scope="module")
 def ignorant(tilted: Posed) -> Fit:
     """The fit that knows nothing of it, as its predictions are made."""
-    return as_predicted(tilted.problem, fit(tilted.problem, Hypothesis(())), kept=True)
+    return as_predicted(tilted.problem, fit(tilted.problem, Hypothesis(())))
 
 
 def test_what_is_known_of_a_recording_widens_its_travel() -> None:
@@ -95,7 +95,7 @@ def test_recordings_without_windows_have_a_travel(tilted: Posed, ignorant: Fit) 
     """Keep predictions where nothing can be held out; there is no band but the foreseen one then."""
     short = tuple(replace(one, time=one.time[:260], reading=one.reading[:260]) for one in tilted.problem.recordings[:1])
     made = as_predicted(
-        replace(tilted.problem, recordings=short), replace(ignorant, band=AS_FORESEEN, forecast_errors=()), kept=True
+        replace(tilted.problem, recordings=short), replace(ignorant, band=AS_FORESEEN, forecast_errors=())
     )
     assert made.travel == travel_of(short)
     assert (made.band, made.forecast_errors) == (AS_FORESEEN, ())
