@@ -121,6 +121,8 @@ class LoadedDiagnosis(Summarised):
         """Predict ball positions from the angle alone, with the identified model.
 
         The initial state comes from the positions that are known; leave those of the first second or so in it.
+        Where the likelihood did not explain the recordings of the diagnosis, positions are kept within those recorded
+        (`record.model.travel_m`); their band is that of a free ball.
 
         Args:
             recording: a CSV file, or one that was read.

@@ -68,7 +68,9 @@ def test_a_step_that_fails_leaves_what_was_found_before(plain: Posed, monkeypatc
     monkeypatch.setattr(search, "stepwise", lambda problem, base, *_: base)
     failures = Failures()
     selection = search.search(plain.problem, failures=failures)
-    assert selection.found is selection.base
+    # with the band and the travel of its predictions
+    assert selection.found.hypothesis == selection.base.hypothesis
+    assert np.array_equal(selection.found.theta, selection.base.theta)
     assert [(one.part, one.name) for one in failures.all] == [
         ("search", "spline terms"),
         ("search", "search by held-out errors"),

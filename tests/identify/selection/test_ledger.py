@@ -9,8 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from harness.identify.estimate.fit import Estimator
 from harness.identify.pose import problem_of
 from harness.identify.problem.settings import Settings
 from harness.identify.problem.spline_term import Regressor
@@ -191,7 +193,8 @@ def test_a_search_that_returns_to_its_spline_term_replays(tmp_path: Path) -> Non
     selection = search(problem)
     (line,) = (line for line in selection.ledger if line.rule is Rule.RESTORE)
     assert line.kept
-    assert selection.found is line.fit
+    assert np.array_equal(selection.found.theta, line.fit.theta)
+    assert selection.found.estimator is Estimator.LIKELIHOOD
     spline = selection.found.hypothesis.spline
     assert spline is not None
     assert (spline.depends, spline.friction) == (Regressor.POSITION, True)

@@ -12,6 +12,7 @@ from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.estimate.free_run_fit import fit_free_runs
+from harness.identify.estimate.predictions import as_predicted
 from harness.identify.estimate.window_errors import foreseen_errors, window_errors
 from harness.identify.model_file import model_record, read_forecasting, read_model
 from harness.identify.pose import problem_of
@@ -178,7 +179,8 @@ def test_a_ball_that_a_controller_holds_is_predicted_by_them() -> None:
     """
     problem = problem_of(load_case(RECORDINGS / "ping_pong"))
     hypothesis = Hypothesis((*problem.unknown, ROLLING, "channel_delay"))
-    found = cross_validated(problem, fit_free_runs(problem, hypothesis, fitted_windows(problem.recordings)).fit)
+    free = cross_validated(problem, fit_free_runs(problem, hypothesis, fitted_windows(problem.recordings)).fit)
+    found = as_predicted(problem, free)
     base = fit(problem, Hypothesis(problem.unknown))
     made = compare_with_baselines(problem, base, found, fitted_to_forecasts(problem, found))
     assert made is not None
