@@ -84,7 +84,7 @@ def test_parameters_for_predictions_have_a_row_and_decide_the_ratio(rig: Rig) ->
     }
     for used, told, ratio in (
         (FORECASTS, "rig use them.", 0.25),
-        (AFTER, "rig do not use them: ", 0.5),
+        (AFTER, "rig do not use them, as they predict no better.", 0.5),
     ):
         changed = {"baselines": plain.model_copy(update=more | {"predicting": used})}
         other = Rig(rig.case, LoadedDiagnosis(rig.diagnosis.record.model_copy(update=changed), MEASURED))
