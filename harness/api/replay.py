@@ -258,7 +258,7 @@ def _unverified(record: DiagnosisRecord, engines: bool) -> tuple[str, ...]:
         "engines": not engines and bool(record.errors.engines),
         "also": bool(record.errors.also),
         "covariance": record.model.estimator == "free_runs",
-        "predictions": any(record.fits[record.found].forecast_errors_m) if record.found in record.fits else False,
+        "predictions": record.found in record.fits and record.fits[record.found].travel_m is not None,
         "failures": bool(record.failures),
     }
     return tuple(_SPARED[name] for name, is_spared in spared.items() if is_spared)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -20,12 +20,11 @@ from harness.numerics import TWO_SIDED
 
 _SHARE = 0.95  # of the readings that the band shall hold
 _FREEDOM = 4.0  # degrees of freedom of Student's t: blocks are few, and in some the ball meets what others do not tell
-# Starting points, and bounds, of the squared factor [1] and of the growth [m²/s]. Errors below those of a reading tell
-# no factor, which the bounds keep from vanishing.
+# Starting points, and bounds, of the logarithms of the squared factor [1] and of the growth [m²/s].
 _FACTORS, _GROWTHS = np.log([0.5, 1.0, 10.0, 100.0]), np.log([1e-8, 1e-6, 1e-4, 1e-2])
-_SCALES = np.log([0.5, 1e3])  # least and largest of what factor and root of growth are scaled by in the end
-_CLOSE = 1e-3  # to which it is found
 _BOUNDS = ((np.log(0.25), np.log(1e8)), (np.log(1e-12), np.log(1e4)))
+_SCALES = np.log([0.5, 1e3])  # least and largest of what factor and root of growth are scaled by in the end
+_CLOSE = 1e-3  # to which the logarithm of this is found
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,8 @@ def fitted_band(blocks: Sequence[Foreseen], reading_variance: float) -> Band:
 
     Factor and growth are those of greatest likelihood, of Student's t and with the same weight for every block, whose
     readings have errors that are alike. Factor and root of the growth are then scaled alike, so that 95 % of the
-    readings, which have noise beside, lie within.
+    readings, which have noise beside, lie within. Where their noise alone leaves them within, they tell of no band that
+    it would be too wide, and it is not narrower than what is foreseen.
 
     Args:
         blocks: of each held-out block, by a fit without it.
@@ -100,7 +100,7 @@ def fitted_band(blocks: Sequence[Foreseen], reading_variance: float) -> Band:
 
     low, high = _SCALES
     if exceeds(low) <= 0.0:
-        return scaled(low)
+        return replace(band, factor=max(band.factor, 1.0))
     return scaled(high if exceeds(high) > 0.0 else brentq(exceeds, low, high, xtol=_CLOSE))
 
 

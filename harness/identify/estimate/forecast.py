@@ -26,7 +26,7 @@ class Forecast:
     Attributes:
         time: stamps, shape (n,) [s].
         position: predicted reading, filtered where readings are known, within the travel of the fit, shape (n,) [m].
-        deviation: its standard deviation from angle, initial state and parameters, shape (n,) [m].
+        deviation: its standard deviation by the band of the fit, shape (n,) [m].
         state: s [m] and ṡ [m/s], shape (n, 2).
     """
 

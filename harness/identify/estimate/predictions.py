@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -32,15 +32,11 @@ def as_predicted(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
     found = replace(found, travel=travel_of(problem.recordings))
     groups = groups_of(problem.recordings)
     work = [partial(_foreseen, problem, found, *group) for group in groups]
-    blocks = list(chain.from_iterable(side_by_side(work, jobs) if jobs > 1 else in_threads(_called, work)))
+    blocks = list(chain.from_iterable(side_by_side(work, jobs) if jobs > 1 else in_threads(lambda each: each(), work)))
     if not blocks:
         return found
     errors = tuple(rms(block.error) for block in blocks)
     return replace(found, band=fitted_band(blocks, problem.reading_variance), forecast_errors=errors)
-
-
-def _called(work: Callable[[], list[Foreseen]]) -> list[Foreseen]:
-    return work()
 
 
 def _foreseen(problem: Problem, whole: Fit, fitted: Sequence[Window], blocks: Sequence[Block]) -> list[Foreseen]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,12 @@ def test_errors_that_nobody_foresaw_are_held() -> None:
     assert held(fitted_band(known, NOISE**2)) == pytest.approx(0.95, abs=0.02)  # 12,000 readings: 0.002; the fit: 1 %
     ratios = [np.abs(one.error) / np.sqrt(one.variance + NOISE**2) for one in known]
     assert held(Band(float(np.quantile(np.concatenate(ratios), 0.95)) / TWO_SIDED)) < 0.9
+
+
+def test_the_noise_of_readings_narrows_no_band() -> None:
+    """Leave what is foreseen as it is where a reading's noise alone explains the errors, whatever the band."""
+    noise = [replace(one, error=0.5 * NOISE * np.sin(np.arange(len(AHEAD)))) for one in blocks(8, 1.0, 0.0, 5)]
+    assert fitted_band(noise, NOISE**2).factor == 1.0
 
 
 def test_one_block_that_diverges_does_not_set_the_band() -> None:

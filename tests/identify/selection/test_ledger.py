@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from harness.identify.estimate.fit import Estimator
@@ -193,8 +192,11 @@ def test_a_search_that_returns_to_its_spline_term_replays(tmp_path: Path) -> Non
     selection = search(problem)
     (line,) = (line for line in selection.ledger if line.rule is Rule.RESTORE)
     assert line.kept
-    assert np.array_equal(selection.found.theta, line.fit.theta)
-    assert selection.found.estimator is Estimator.LIKELIHOOD
+    # that very fit, with the band and the travel of its predictions
+    assert selection.found.terms is line.fit.terms
+    assert selection.found.covariance is line.fit.covariance
+    assert selection.found.process_noise == line.fit.process_noise
+    assert selection.found.estimator is line.fit.estimator is Estimator.LIKELIHOOD
     spline = selection.found.hypothesis.spline
     assert spline is not None
     assert (spline.depends, spline.friction) == (Regressor.POSITION, True)

@@ -90,12 +90,12 @@ def test_held_out_blocks_are_predicted_better(rolling: tuple[Posed, Fit], wrong:
 
 
 def test_the_band_holds_the_readings(rolling: tuple[Posed, Fit], forecasting: Fit) -> None:
-    """Hold 95 % of the predicted readings within the band, though a reading's noise is nearly all of their errors."""
+    """Hold at least 95 % of the predicted readings within the band, though their errors are a reading's noise."""
     posed, _ = rolling
     made = foreseen_errors(posed.problem, forecasting, windows_of(posed.problem.recordings))
     variance = forecasting.band.variance(made.variance, made.ahead) + posed.problem.reading_variance
     within = np.abs(made.error) < TWO_SIDED * np.sqrt(variance)
-    assert np.mean(within) > 0.95 - 3.0 * np.sqrt(0.95 * 0.05 / len(within))  # the scatter of independent readings
+    assert np.mean(within) >= 0.95
 
 
 def test_the_lower_error_decides() -> None:
