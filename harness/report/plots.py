@@ -191,7 +191,7 @@ def against_state(
     row: Iterable[Axes], position: FloatArray, velocity: FloatArray, angle: FloatArray
 ) -> Iterator[tuple[Axes, FloatArray]]:
     """Three axes and their abscissas: position [m], velocity [m/s] and beam angle, given in radians."""
-    names = ("position $s$ [m]", r"velocity $\dot s$ [m/s]", r"beam angle $\alpha$ [deg]")
+    names = ("position s [m]", "velocity ṡ [m/s]", "beam angle α [deg]")
     for axes, name, x in zip(row, names, (position, velocity, np.degrees(angle)), strict=True):
         axes.set_xlabel(name)
         axes.xaxis.set_major_locator(MaxNLocator(_TICKS))

@@ -31,8 +31,8 @@ def picture_of(proposal: Proposal, look: Look, model: str) -> plots.Picture:
     figure = plots.drawing(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for axes, values, edges, label in (
-        (top, angle, limits, r"beam angle $\alpha$ [deg]"),
-        (bottom, proposal.reading, positions, "position $s$ [m]"),
+        (top, angle, limits, "beam angle α [deg]"),
+        (bottom, proposal.reading, positions, "position s [m]"),
     ):
         plots.signal(axes, proposal.time, values, look)
         for edge in edges:

@@ -45,7 +45,7 @@ def test_it_shows_itself(comparison: harness.Comparison) -> None:
 def test_it_is_plotted(comparison: harness.Comparison) -> None:
     """Draw the recording against every source."""
     figure = comparison.plot()
-    assert figure.axes[0].get_ylabel() == "ball position $s$ [m]"
+    assert figure.axes[0].get_ylabel() == "ball position s [m]"
     assert any("PyBullet" in text.get_text() for text in figure.legends[0].get_texts())
 
 

@@ -67,7 +67,7 @@ def test_it_shows_itself(diagnosis: harness.Diagnosis) -> None:
     for shown in (repr(diagnosis), diagnosis._repr_html_()):
         assert "rolling resistance of 0.0040" in shown
         assert "rolling_resistance" in shown
-    assert diagnosis.plot().axes[0].get_ylabel() == "position $s$ [m]"
+    assert diagnosis.plot().axes[0].get_ylabel() == "position s [m]"
 
 
 @pytest.mark.slow

@@ -97,16 +97,14 @@ def _one_step(
 ) -> ScreeningFit:
     low, high = hypothesis.bounds(problem)
     start = np.clip(start, low + INSIDE, high - INSIDE)
-    here = residuals.at(start)
+    here, before = residuals.at(start), residuals.deviance(start)
     if not len(start):
-        deviance = residuals.deviance(start)
-        return ScreeningFit(start, start, deviance, residuals.process_noise, deviance, np.zeros((0, 0)))
+        return ScreeningFit(start, start, before, residuals.process_noise, before, np.zeros((0, 0)))
     relative = np.clip(np.abs(start), COARSE_STEP / 10.0, COARSE_STEP)
     slopes = residuals.jacobian(start, relative if step == COARSE_STEP else np.full(len(start), step))
     smoothness = hypothesis.smoothness(problem)
     penalised, target = np.vstack((slopes, smoothness)), -np.concatenate((here, smoothness @ start))
     move = lsq_linear(penalised, target, bounds=(low - start, high - start), method="bvls").x
-    before = residuals.deviance(start)
     predicted = before - float(here @ here - np.sum((here + slopes @ move) ** 2))
     end = np.clip(start + move, low, high)  # rounding can put it a little beyond a bound, where no law need be
     deviance = residuals.deviance(end)

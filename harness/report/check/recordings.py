@@ -37,7 +37,7 @@ def drawn(one: Recording) -> Figure:
     top, bottom = figure.subplots(2, 1, sharex=True)
     signal(top, one.time, np.degrees(one.angle), ANGLE)
     zero(top)
-    top.set_ylabel(r"beam angle $\alpha$ [deg]")
+    top.set_ylabel("beam angle α [deg]")
     good = one.usable & ~one.outlier
     dots(bottom, one.time[good], one.position[good], POSITION)
     marks = left_out(bottom, one.left_out)
@@ -50,7 +50,7 @@ def drawn(one: Recording) -> Figure:
         bottom.axvspan(begin, end, color=LEFT_OUT_COLOUR, alpha=0.12, linewidth=0.0, zorder=0)
     if marks:
         bottom.legend(handles=marks)
-    bottom.set_ylabel("position $s$ [m]")
+    bottom.set_ylabel("position s [m]")
     over_time(bottom, one.time[0], one.time[-1])
     return figure
 

@@ -57,10 +57,10 @@ def _picture(subject: Subject) -> Picture:
     figure = drawing(6.2)
     panels = figure.subplot_mosaic([["angle", "detail"], ["rate", "rate"], ["acceleration", "acceleration"]])
     for name, order, label in (
-        ("angle", 0, r"$\alpha$ [deg]"),
-        ("detail", 0, r"$\alpha$ [deg]"),
-        ("rate", 1, r"$\dot\alpha$ [deg/s]"),
-        ("acceleration", 2, r"$\ddot\alpha$ [deg/s²]"),
+        ("angle", 0, "α [deg]"),
+        ("detail", 0, "α [deg]"),
+        ("rate", 1, "α̇ [deg/s]"),
+        ("acceleration", 2, "α̈ [deg/s²]"),
     ):
         axes: Axes = panels[name]
         if order == 0:

@@ -90,7 +90,7 @@ def _picture(subject: Subject) -> Picture:
     for axes, name in ((left, "force on the ball [mN]"), (right, "power into the ball [mW]")):
         zero(axes)
         axes.axvline(0.0, color=INK, linewidth=0.8)
-        axes.set(xlim=(-fastest, fastest), xlabel=r"velocity $\dot s$ [m/s]", ylabel=name)
+        axes.set(xlim=(-fastest, fastest), xlabel="velocity ṡ [m/s]", ylabel=name)
     figure.legend(handles=entries, loc="outside right upper", handlelength=2.6)
     return picture(
         figure,

@@ -117,7 +117,7 @@ def drawn(subject: Subject, horizon: Horizon) -> Figure:
         entries.append(plots.sample(look, f"{look.label}  {'failed' if run.failures else number(1e3 * one.rms)}"))
     if horizon.seconds is None:
         label_exits(axes, exits)
-    axes.set_ylabel("ball position $s$ [m]")
+    axes.set_ylabel("ball position s [m]")
     legend = figure.legend(
         handles=entries, loc="outside right upper", title="RMS error [mm]", alignment="left", handlelength=2.6
     )

@@ -25,10 +25,10 @@ INTERVAL = Look("95 % interval", UNCERTAINTY_COLOUR)
 _NODE = ["± half of the 95 % interval"]
 _PLOT_POINTS = 400  # of the spline
 _ABSCISSA = {  # name, symbol, unit, factor to it
-    Regressor.POSITION: ("position", "$s$", "m", 1.0),
-    Regressor.VELOCITY: ("velocity", r"$\dot s$", "m/s", 1.0),
-    Regressor.ANGLE: ("beam angle", r"$\alpha$", "deg", float(np.degrees(1.0))),
-    Regressor.ROLL_ANGLE: ("rolled angle", r"$\varphi$", "deg", float(np.degrees(1.0))),
+    Regressor.POSITION: ("position", "s", "m", 1.0),
+    Regressor.VELOCITY: ("velocity", "ṡ", "m/s", 1.0),
+    Regressor.ANGLE: ("beam angle", "α", "deg", float(np.degrees(1.0))),
+    Regressor.ROLL_ANGLE: ("rolled angle", "φ", "deg", float(np.degrees(1.0))),
     Regressor.TIME: ("time", "", "s", 1.0),
 }
 _ORDINATE = {  # name, unit, by whether it is of friction, of the sensor

@@ -198,7 +198,7 @@ def before_after(account: Account, runs: Runs | None = None) -> Figure:
     most = _MAX_BAND * float(np.max(np.abs(seen)))
     plots.frame(bottom, np.concatenate((seen, np.clip(-reach, -most, most), np.clip(reach, -most, most))), margin=0.2)
     for axes, lines, label in (
-        (top, [(one.position, look) for one, look in runs], "position $s$ [m]"),
+        (top, [(one.position, look) for one, look in runs], "position s [m]"),
         (bottom, errors, "prediction − reading\n[mm]"),
     ):
         for values, look in lines:

@@ -174,7 +174,7 @@ def drawn(subject: Subject, shown: Shown) -> Figure:
     plots.zero(lower)
     plots.over_time(lower, float(recording.time[0]), float(recording.time[-1]))
     upper.set_title(recording.name)
-    upper.set_ylabel("position $s$ [m]")
+    upper.set_ylabel("position s [m]")
     lower.set_ylabel(f"run − {subject.measured} [mm]")
     figure.legend(
         handles=[plots.sample(look) for look in (recorded, *each.values())], loc="outside upper left", ncols=3
