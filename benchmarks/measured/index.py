@@ -22,8 +22,8 @@ _LEGEND = (
     "baselines: ball at rest, ball at constant velocity, double integrator. The output-error models are black boxes "
     "fitted to the forecast: in closed loop they may read the controller backwards. Below 1, the model with the "
     "effects found predicts better; its parameters are fitted to forecasts where these predict better "
-    "([predictions](diagnosis.md#parameters-for-predictions)); where its predictions stay where the "
-    "ball was recorded, so do those of every baseline ([ends](diagnosis.md#where-predictions-stay))."
+    "([predictions](diagnosis.md#parameters-for-predictions)); if its predictions are kept "
+    "where the ball was recorded, so are those of every baseline ([ends](diagnosis.md#where-predictions-stay))."
 )
 _FREE = (
     "Only open_ball_beam comes with this program (MIT licence, Copyright (c) 2021 Benjamin Gravell, notice in "

@@ -148,7 +148,7 @@ def _where(parts: str, case: Path, folder: Path) -> str:
     return (
         f"Where the time goes (medians of shares of the wall time): {parts}. Processor time by samples of another run: "
         f"{functions}. What limits it are the filter, compiled, over all readings for each parameter of each "
-        "hypothesis, and the engines' steps of 2 ms."
+        "hypothesis, and the engines' steps."
     )
 
 

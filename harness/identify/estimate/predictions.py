@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
+from operator import call
 
 from harness.identify.estimate.band import Foreseen, fitted_band
 from harness.identify.estimate.block_errors import fit_without_blocks, groups_of
@@ -32,7 +33,7 @@ def as_predicted(problem: Problem, found: Fit, *, jobs: int = 1) -> Fit:
     found = replace(found, travel=travel_of(problem.recordings))
     groups = groups_of(problem.recordings)
     work = [partial(_foreseen, problem, found, *group) for group in groups]
-    blocks = list(chain.from_iterable(side_by_side(work, jobs) if jobs > 1 else in_threads(lambda each: each(), work)))
+    blocks = list(chain.from_iterable(side_by_side(work, jobs) if jobs > 1 else in_threads(call, work)))
     if not blocks:
         return found
     errors = tuple(rms(block.error) for block in blocks)

@@ -97,6 +97,7 @@ def _one_step(
 ) -> ScreeningFit:
     low, high = hypothesis.bounds(problem)
     start = np.clip(start, low + INSIDE, high - INSIDE)
+    # Both now, of one run of the filter: only the latest is kept, and the Jacobian makes others.
     here, before = residuals.at(start), residuals.deviance(start)
     if not len(start):
         return ScreeningFit(start, start, before, residuals.process_noise, before, np.zeros((0, 0)))
