@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -44,15 +45,19 @@ def kill(sweep: subprocess.Popen[bytes]) -> None:
     sweep.wait()
 
 
-def rows(folder: Path, out: str) -> dict[Path, int]:
-    """Sizes of the files with the rows that a sweep has kept so far [bytes]."""
-    return {file: file.stat().st_size for file in (folder / out).glob("unfinished_runs/*")}
+def rows(folder: Path, out: str) -> tuple[int, int]:
+    """Number of a sweep's newest journal, and of the whole rows in it; a pair that grows with every row kept."""
+    newest = (0, 0)
+    for journal in (folder / out).glob("unfinished_runs/*.jsonl"):
+        with contextlib.suppress(FileNotFoundError):  # the sweep deletes a journal that is full
+            newest = max(newest, (int(journal.stem), journal.read_bytes().count(b"\n")))
+    return newest
 
 
 def wait_for_a_row(folder: Path, out: str) -> float:
     """Wait until the sweep that was just begun keeps a row; how long that took [s]."""
     begin, before = time.monotonic(), rows(folder, out)
-    while rows(folder, out) == before:
+    while rows(folder, out) <= before:
         assert time.monotonic() < begin + LONGEST
         time.sleep(0.01)
     return time.monotonic() - begin
