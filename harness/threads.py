@@ -9,8 +9,8 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -19,25 +19,57 @@ _T = TypeVar("_T")
 
 BLAS_THREADS = "OPENBLAS_NUM_THREADS"  # read by OpenBLAS when it is loaded
 
-_here = threading.local()
+_idle = threading.Semaphore((os.cpu_count() or 1) - 1)  # as many as processors without a thread of `in_threads`
 
 
 def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:
-    """`map` in threads, one a processor, results in order.
+    """`map` in this thread and one more for each idle processor, results in order.
 
-    One by one within such a thread, for a single argument, and in one process of several, which have the processors for
-    themselves. Nothing depends on how many threads there are: each argument's result is computed by itself.
+    Within such a thread, too: it gets the processors of those that have ended before it. One by one in one process of
+    several, which have the processors for themselves. Nothing depends on how many threads there are: each argument's
+    result is computed by itself. Of several exceptions, that of the first argument is raised.
     """
     every = list(arguments)
-    if getattr(_here, "inside", False) or multiprocessing.parent_process() is not None or len(every) < 2:
+    if multiprocessing.parent_process() is not None or len(every) < 2:
         return [function(each) for each in every]
+    left = deque(enumerate(every))
+    results: dict[int, _T] = {}
+    raised: dict[int, BaseException] = {}
 
-    def inside(argument: _S) -> _T:
-        _here.inside = True
-        return function(argument)
+    def work() -> None:
+        while left:
+            try:
+                number, argument = left.popleft()
+            except IndexError:  # another thread took the last one
+                return
+            try:
+                results[number] = function(argument)
+            except BaseException as error:
+                raised[number] = error
+                left.clear()
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(inside, every))
+    def help_out() -> None:
+        try:
+            work()
+        finally:
+            _idle.release()
+
+    helpers: list[threading.Thread] = []
+    try:
+        while len(helpers) < len(every) - 1 and _idle.acquire(blocking=False):
+            helpers.append(threading.Thread(target=help_out))
+            helpers[-1].start()
+        work()
+    finally:
+        left.clear()
+        if helpers:
+            _idle.release()  # while this thread waits, others have its processor
+            for helper in helpers:
+                helper.join()
+            _idle.acquire()
+    if raised:
+        raise min(raised.items(), key=lambda each: (isinstance(each[1], Exception), each[0]))[1]
+    return [results[number] for number in range(len(every))]
 
 
 @contextmanager

@@ -7,11 +7,14 @@ import os
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 
 from harness.parallel import side_by_side
 from harness.threads import BLAS_THREADS, in_threads
+
+SEVERAL = pytest.mark.skipif(os.cpu_count() == 1, reason="there is one thread on one processor anyway")
 
 
 def test_results_are_in_the_order_of_the_arguments() -> None:
@@ -20,14 +23,37 @@ def test_results_are_in_the_order_of_the_arguments() -> None:
     assert in_threads(abs, []) == []
 
 
-def test_threads_begin_no_threads() -> None:
-    """Work one by one within a thread: there are no more threads than processors."""
+def test_no_more_threads_work_than_there_are_processors() -> None:
+    """Have as many calls at work at once as processors, in threads within threads too."""
+    lock, at_work, most = threading.Lock(), 0, 0
 
-    def inner(_: int) -> set[int]:
-        return set(in_threads(lambda _: threading.get_ident(), range(20)))
+    def inner(_: int) -> int:
+        nonlocal at_work, most
+        with lock:
+            at_work += 1
+            most = max(most, at_work)
+        time.sleep(1e-3)
+        with lock:
+            at_work -= 1
+        return threading.get_ident()
 
-    assert all(len(each) == 1 for each in in_threads(inner, range(4)))
-    assert threading.get_ident() not in in_threads(lambda _: threading.get_ident(), range(4))
+    in_threads(lambda _: in_threads(inner, range(20)), range(4))
+    assert most <= (os.cpu_count() or 1)
+
+
+@SEVERAL
+def test_what_ends_last_gets_the_processors_of_the_others() -> None:
+    """Map in several threads within a thread, as soon as the others have ended."""
+
+    def inner(last: bool) -> int:
+        if not last:
+            return 0
+        end = time.monotonic() + 60.0  # on a busy machine; threads are counted anew in every call
+        while (count := len(set(in_threads(lambda _: time.sleep(1e-3) or threading.get_ident(), range(20))))) == 1:
+            assert time.monotonic() < end
+        return count
+
+    assert in_threads(inner, [True, *[False] * 10])[0] > 1
 
 
 def test_one_process_of_several_begins_no_threads() -> None:
@@ -40,12 +66,21 @@ def test_one_process_of_several_begins_no_threads() -> None:
 
 
 def test_an_exception_is_passed_on() -> None:
-    """Raise what an argument raises."""
+    """Raise what an argument raises, of several the first, and begin no further arguments."""
     with pytest.raises(ZeroDivisionError):
         in_threads(lambda x: 1 // x, [1, 0, 2])
+    begun = []
 
+    def fail(number: int) -> None:
+        begun.append(number)
+        time.sleep(1e-2)
+        raise ValueError(number)
 
-SEVERAL = pytest.mark.skipif(os.cpu_count() == 1, reason="linear algebra has one thread on one processor anyway")
+    with pytest.raises(ValueError, match=r"\A0\Z"):
+        in_threads(fail, range(1000))
+    assert len(begun) <= (os.cpu_count() or 1)
+    assert in_threads(abs, [-1, 1]) == [1, 1]  # which has the processors again
+
 
 # NumPy is loaded before, SciPy within; a pool of processes begins within as well.
 BLAS = """
