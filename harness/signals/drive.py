@@ -23,6 +23,8 @@ from harness.signals.spline_smoother import Smoothed, draw
 # Below this share of a count the noise does not dither the rounding, and white noise of q²/12 would be a wrong model.
 _DITHERED = 0.5
 _LEAST_SHARED = 1e-6  # rad: of noise below that no share is taken, as it moves no ball and leaves no digits
+_BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
+_DENSITY_SPAN, _DENSITY_DRAWS = 0.5, 16  # [s]: longer than the correlation of the error, shorter than a move
 _LEAST_NOISE = 1e-9  # rad: a continuous reading without noise would make the smoother divide by zero
 
 
@@ -86,6 +88,21 @@ class Drive(QuinticMotion, ABC):
         """`error` where one estimate is made of all rests: m on one count, which share their rounding, have its m-fold
         variance (`harness.signals.rests`)."""
         return self.error if self.inflation is None else self.error.inflated(self.inflation)
+
+    @cached_property
+    def error_densities(self) -> FloatArray:
+        """Density of the white noise that acts on a ball over half a second as the angle error does [rad²/Hz].
+
+        Of 16 draws of the error, shape (16,); their mean estimates it.
+        """
+        step, mean = float(np.median(np.diff(self.time))), float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
+        step = mean if mean > _BUNCHED * step else step
+        span = min(max(int(_DENSITY_SPAN / step), 1), len(self.time) - 1)
+        densities = []
+        for path in self.draw(_DENSITY_DRAWS, seed=0):
+            turned = np.cumsum(path.states[:, 0] - self.states[:, 0]) * step
+            densities.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
+        return np.array(densities)
 
     @property
     def commanded(self) -> bool:

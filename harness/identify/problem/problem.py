@@ -36,8 +36,6 @@ from harness.signals.play_error import behind_play
 from harness.signals.rests import with_shared_rounding
 from harness.signals.sparse_drive import sparse
 
-_BUNCHED = 2.0  # mean over median step, beyond which several readings are stamped at once
-_FLOOR_SPAN, _FLOOR_DRAWS = 0.5, 16  # [s]: longer than the correlation of the angle error, shorter than a move
 _CELL = 0.04  # of thinned recordings, and of free runs over them, whose errors are centimetres [s]
 _QUICK_LENGTH = 60.0  # of the recordings of a quick search [s]: effects far above the noise show in a minute
 _FEWEST_OF_EACH = 50  # readings of the beginning of a recording
@@ -355,21 +353,9 @@ class Problem:
 
     @cached_property
     def angle_floor(self) -> float:
-        """Input-noise floor: root density of the acceleration due to the angle error [m/s² per √Hz].
-
-        Estimated from draws of the drive: as white noise, the error acts like this on a ball over half a second.
-        """
-        process_noises = []
-        for recording in self.recordings:
-            stamps = recording.drive.time
-            step, mean = float(np.median(np.diff(stamps))), float((stamps[-1] - stamps[0]) / (len(stamps) - 1))
-            step = mean if mean > _BUNCHED * step else step
-            span = min(max(int(_FLOOR_SPAN / step), 1), len(stamps) - 1)
-            for path in recording.drive.draw(_FLOOR_DRAWS, seed=0):
-                error = path.states[:, 0] - recording.drive.states[:, 0]
-                turned = np.cumsum(error) * step
-                process_noises.append(np.mean((turned[span::span] - turned[:-span:span]) ** 2) / (span * step))
-        return self.rig.gravity * self.rig.rolling_ratio * float(np.sqrt(np.mean(process_noises)))
+        """Input-noise floor: root density of the acceleration due to the angle error [m/s² per √Hz]."""
+        density = float(np.mean([recording.drive.error_densities for recording in self.recordings]))
+        return self.rig.gravity * self.rig.rolling_ratio * math.sqrt(density)
 
     @property
     def least_process_noise(self) -> float:
