@@ -1,5 +1,6 @@
 """`python -m harness` and the console script are the command `harness`."""
 
+import atexit
 import gc
 import sys
 
@@ -11,6 +12,7 @@ _COLLECT_AFTER = 100_000
 def main() -> None:
     """Run the command; an interrupt while it is being imported ends it as one later on does."""
     gc.set_threshold(_COLLECT_AFTER)
+    atexit.register(gc.freeze)  # at its end Python looks through everything once more, for half a second
     try:
         from harness.cli.main import main as command
 
