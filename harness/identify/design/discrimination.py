@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
-from scipy.signal import lfilter
 
 from analytic.motion import FloatArray
 from harness.identify.design.closed_loop import SimulatedRun, repeated
@@ -67,6 +66,8 @@ class SteadyFilters:
 
     def filtered(self, innovations: FloatArray) -> FloatArray:
         """Innovations at the process noise of `open`, shape (n, c), transformed to every density, shape (d, n, c)."""
+        from scipy.signal import lfilter  # imported here because it brings scipy.stats along, for a third of a second
+
         return np.array([lfilter(self.open, poles, innovations, axis=0) for poles in self.poles])
 
     def deviance(self, innovations: FloatArray) -> float:

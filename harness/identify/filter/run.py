@@ -15,6 +15,9 @@ from harness.identify.filter.dynamics import Dynamics
 from harness.identify.filter.ekf import extended_kalman_filter, negative_two_log_likelihood
 from harness.identify.problem.hypothesis import Own, Terms
 from harness.identify.problem.problem import PreparedRecording, Problem, filtered_against
+from harness.threads import in_threads
+
+_WORTH_THREADS = 3000  # readings: a thread begins and ends as long as the filter takes for some 800
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,9 @@ def beam_over(recording: PreparedRecording, table: FloatArray, use: slice = slic
 def innovations(problem: Problem, added: Terms, process_noise: float) -> tuple[FloatArray, FloatArray]:
     """Innovations of all recordings and their variances, shape (readings,) each [m], [m²], at a density [m²/s³]."""
     model = Dynamics(problem, added)
-    each = [innovations_of(model, one, process_noise) for one in problem.recordings]
+    readings = sum(len(one.time) for one in problem.recordings)
+    every = in_threads if readings >= _WORTH_THREADS else map
+    each = every(lambda one: innovations_of(model, one, process_noise), problem.recordings)
     innovation, variance = zip(*each, strict=True)
     return np.concatenate(innovation), np.concatenate(variance)
 
