@@ -45,10 +45,9 @@ RunKey = tuple[str, int | None, int]
 """Name of the engine, and identities of fit and recording."""
 NO_SETTINGS: EngineSettings = MappingProxyType({})
 
-# Time step of a rolling ball [s]: against steps of 0.5 ms, RMS errors over whole recordings of 8 to 30 s change by at
-# most 8 µm on five measured rigs and 21 µm on six simulated ones, where friction or backlash stops the ball; in
-# steps of 10 ms, by 135 µm. For a sliding ball, where MuJoCo converges with first order only, the engines' default
-# step is used.
+# Time step of a rolling ball [s]: against steps of 0.5 ms no RMS error, over windows or whole recordings, changes by
+# more than 8 µm on five measured rigs and 21 µm in six simulated cases; in steps of 10 ms, by up to 135 µm. For a
+# sliding ball, where MuJoCo converges with first order only, the engines' default step is used.
 _ROLLING_STEP = 4e-3
 _MOST = 6  # recordings that the engines run: two fits to each, held out and not, take PyBullet seconds
 
