@@ -57,8 +57,9 @@ def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T
     helpers: list[threading.Thread] = []
     try:
         while len(helpers) < len(every) - 1 and _idle.acquire(blocking=False):
-            helpers.append(threading.Thread(target=help_out))
-            helpers[-1].start()
+            helper = threading.Thread(target=help_out)
+            helper.start()
+            helpers.append(helper)
         work()
     finally:
         left.clear()
