@@ -17,6 +17,7 @@ from harness.identify.problem.problem import PreparedRecording, Problem
 KNOWN = 2.0  # length of the known part of a window [s]
 AHEAD = 3.0  # length of the predicted part of a window [s]
 HORIZONS = (1.0, 2.0, 3.0, 5.0)  # lengths of predicted spans [s]
+WHOLE = "whole"  # the horizon of all of a recording after its known part
 _FEWEST = 5  # readings that each part of a window needs
 _FEWEST_FITTED = 2  # windows
 GROUPS = 6  # of blocks, or of recordings, that are held out together
@@ -127,7 +128,7 @@ def horizon_spans(time: FloatArray) -> list[tuple[str, float, float]]:
     for horizon in HORIZONS:
         count = int((end - begin) / horizon + 1e-6)
         spans += [(f"{horizon:g} s", begin + i * horizon, begin + (i + 1) * horizon) for i in range(count)]
-    return [*spans, ("whole", begin, end + 1.0)]
+    return [*spans, (WHOLE, begin, end + 1.0)]
 
 
 def predicted_spans(time: FloatArray, known: NDArray[np.bool_], fewest: int = 1) -> list[tuple[str, slice]]:

@@ -108,7 +108,7 @@ class BeforeAfterRecord(RecordPart):
 
 
 class EngineErrorsRecord(RmsRecord):
-    """Errors of an engine's free runs; `failed` is its message if it failed."""
+    """Errors of an engine's free runs; `failed` is its message if one failed, whose horizon has no error then."""
 
     failed: str | None = None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import attrgetter
 from types import MappingProxyType
@@ -30,7 +30,7 @@ from harness.identify.estimate.forecast import filtered_ahead
 from harness.identify.estimate.own_values import own_of
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.spline_term import Regressor, SplineTerm
-from harness.identify.problem.windows import predicted_spans
+from harness.identify.problem.windows import WHOLE, predicted_spans
 from harness.identify.validation.held_out import HeldOut
 from harness.numerics import evenly_chosen
 from harness.parallel import meanwhile
@@ -54,10 +54,21 @@ _MOST = 6  # recordings that the engines run: two fits to each, held out and not
 
 @dataclass(frozen=True)
 class Ran:
-    """Runs of an engine over one recording: squared errors [m²] by horizon, and what the engine warns of."""
+    """Runs of an engine over one recording: squared errors [m²] by horizon, what the engine warns of, and how a run
+    failed by the horizons that have no errors for that."""
 
     squares: Squares
     warnings: tuple[str, ...] = ()
+    failed: Mapping[str, Failed] = field(default_factory=dict)
+
+    @property
+    def to_blame(self) -> tuple[Failed, ...]:
+        """Failures of the engine.
+
+        Shorter windows tile a recording. Where its engine runs through all of them, a run of the whole recording fails
+        because its ball is where the recorded one never was, as that of every model may be.
+        """
+        return () if self.squares and set(self.failed) == {WHOLE} else tuple(self.failed.values())
 
 
 def engine_errors(
@@ -83,8 +94,9 @@ def engine_errors(
         scene: of the user's own.
 
     Returns:
-        By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again; for an engine that
-        failed also "failed", its message. "recordings" names those that it ran: of many, six from first to last.
+        By engine "before" and "after", each with "rms_m" by horizon, and "heldout" with both again. Where a run failed
+        there is also "failed", its message, and no error of its horizon. "recordings" names those that the engine ran:
+        of many, six from first to last.
         "warnings" says what the engine warns of in any of these runs, each warning with its largest number.
     """
     running = engines_running(main, held, progress, jobs=jobs, failures=failures, settings=settings, scene=scene)
@@ -144,9 +156,11 @@ def engines_running(
             ended = caught(Part.ENGINE, " and ".join(engines), wait)  # a process may end with its engine
             results = dict.fromkeys(runs, ended) if isinstance(ended, Failed) else dict(zip(runs, ended, strict=True))
             for each in (*loaded.values(), *results.values()):
-                # A ball that lifts off stands in the table of the engines; it is no failure of one.
-                if failures is not None and isinstance(each, Failed) and not each.of_the_rig:
-                    failures.add(each)
+                to_blame = each.to_blame if isinstance(each, Ran) else (each,) if isinstance(each, Failed) else ()
+                for failed in to_blame:
+                    # A ball that lifts off stands in the table of the engines; it is no failure of one.
+                    if failures is not None and not failed.of_the_rig:
+                        failures.add(failed)
             return {
                 name: before_after(engine, [main], results)
                 | ({"heldout": before_after(engine, held, results)} if held else {})
@@ -188,12 +202,16 @@ def entries(fit: Fit) -> dict[str, str]:
 
 def _errors(runs: Sequence[Ran | Failed]) -> dict[str, Any]:
     squares: dict[str, list[FloatArray]] = {}
+    failed: dict[str, Failed] = {}
     for run in runs:
         if isinstance(run, Failed):
             return {"rms_m": {}, "failed": str(run)}
+        failed = {**run.failed, **failed}
         for horizon, values in run.squares:
             squares.setdefault(horizon, []).append(values)
-    return {"rms_m": {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}}
+    rms = {horizon: float(np.sqrt(np.mean(np.concatenate(each)))) for horizon, each in squares.items()}
+    told = {"failed": str(next(iter(failed.values())))} if failed else {}
+    return {"rms_m": {horizon: value for horizon, value in rms.items() if horizon not in failed}} | told
 
 
 def _run_of(
@@ -204,8 +222,8 @@ def _run_of(
 
     def ran() -> Ran:
         scene = _Scene(problem, found, recording, engine, settings)
-        squares = scene.squares()
-        return Ran(squares, largest_of_each(scene.warnings))
+        squares, failed = scene.squares(name)
+        return Ran(squares, largest_of_each(scene.warnings), failed)
 
     return caught(Part.ENGINE, name, ran)
 
@@ -232,29 +250,34 @@ class _Scene:
         self.motion: BeamMotion = motion_for_engine(self.effects, recording.drive.gentle, recording.drive.time)
         self.sensor = found.terms.sensor_in(problem)
         self.engine = engine
-        settings = {**given, **engine_settings(self.effects, engine.name)} or {"time_step": _ROLLING_STEP}
+        settings = {**given, **engine_settings(self.effects, engine.name)}
+        # A ball that is thrown about far out on the beam may lose its contacts in steps that are wide.
+        tried: list[dict[str, Any]] = [settings] if settings else [{"time_step": _ROLLING_STEP}, {}]
         if engine.scene_file:  # has less to set; what is left is the user's own
-            settings = {name: value for name, value in settings.items() if name in engine.parameters.model_fields}
-        self.parameters: EngineParameters = parameters_of(engine, settings)
+            tried = [{name: one[name] for name in one if name in engine.parameters.model_fields} for one in tried]
+        self.parameters: list[EngineParameters] = [parameters_of(engine, one) for one in tried]
         self.warnings: list[str] = []
 
-    def squares(self) -> Squares:
-        """Squared errors [m²] of every window with readings to compare, by horizon.
+    def squares(self, name: str) -> tuple[Squares, dict[str, Failed]]:
+        """Squared errors [m²] of every window with readings to compare, by horizon, and the failures of this `name` of
+        other horizons.
 
-        Windows that begin at the same stamp share one run, since their initial states are equal.
+        Windows that begin at the same stamp share one run, since their initial states are equal, unless it fails.
         """
         recording = self.recording
         time = recording.time - recording.time[0]
         known = np.isfinite(recording.reading)
-        spans = predicted_spans(time, known, fewest=2)
-        ends: dict[int, int] = {}
+        spans = [
+            (horizon, slice(use.start, use.start + int(np.flatnonzero(known[use])[-1]) + 1))
+            for horizon, use in predicted_spans(time, known, fewest=2)
+        ]
+        ends: dict[int, set[int]] = {}
         for _, use in spans:
-            last = use.start + int(np.flatnonzero(known[use])[-1]) + 1
-            ends[use.start] = max(last, ends.get(use.start, 0))
+            ends.setdefault(use.start, set()).add(use.stop)
         # With a delay, the filter's state at stamp t is that of the ball at t − delay.
         ball_time = recording.time - self.sensor.delay
         inside = (ball_time >= recording.time[0]) & (ball_time <= recording.time[-1])
-        firsts = [begin + int(np.argmax(inside[begin:end])) for begin, end in ends.items()]
+        firsts = [begin + int(np.argmax(inside[begin : max(each)])) for begin, each in ends.items()]
         runs = filtered_ahead(
             self.problem,
             self.found,
@@ -262,17 +285,37 @@ class _Scene:
             [slice(begin, first + 1) for begin, first in zip(ends, firsts, strict=True)],
         )[1]
         errors: dict[int, FloatArray] = {}
-        for (begin, end), run in zip(ends.items(), runs, strict=True):
-            errors[begin] = (
-                self._run(run.state[-1], ball_time[begin:end], inside[begin:end]) - recording.reading[begin:end]
-            )
-        squares = [(horizon, errors[use.start][: use.stop - use.start] ** 2) for horizon, use in spans]
-        return [(horizon, values[np.isfinite(values)]) for horizon, values in squares]
+        failures: dict[tuple[int, int], Failed] = {}
+        for (begin, each), run in zip(ends.items(), runs, strict=True):
+            for end in sorted(each, reverse=True):
+                made = self._first_run(name, run.state[-1], ball_time[begin:end], inside[begin:end])
+                if not isinstance(made, Failed):
+                    errors[begin] = made - recording.reading[begin:end]
+                    break
+                failures[begin, end] = made
+        failed = {horizon: failures[use.start, use.stop] for horizon, use in spans if (use.start, use.stop) in failures}
+        squares = [
+            (horizon, errors[use.start][: use.stop - use.start] ** 2) for horizon, use in spans if horizon not in failed
+        ]
+        return [(horizon, values[np.isfinite(values)]) for horizon, values in squares], failed
 
-    def _run(self, state: FloatArray, ball_time: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+    def _first_run(
+        self, name: str, state: FloatArray, ball_time: FloatArray, inside: NDArray[np.bool_]
+    ) -> FloatArray | Failed:
+        """The run with the first parameters that it does not fail with; other arguments as for `_run`."""
+        for parameters in self.parameters:
+            made = caught(Part.ENGINE, name, partial(self._run, parameters, state, ball_time, inside))
+            if not isinstance(made, Failed):
+                break
+        return made
+
+    def _run(
+        self, parameters: EngineParameters, state: FloatArray, ball_time: FloatArray, inside: NDArray[np.bool_]
+    ) -> FloatArray:
         """Sensor output of a free run [m]; NaN where a delay would need the beam motion outside the recording.
 
         Args:
+            parameters: of the engine.
             state: of the filter at the first time inside, as in `FilterOutput`, shape (4,).
             ball_time: times at which the ball is where the stamps record it, shape (m,) [s].
             inside: mask of those within the recording, shape (m,).
@@ -284,7 +327,7 @@ class _Scene:
             self.rig,
             self.motion,
             at,
-            self.parameters.time_step,
+            parameters.time_step,
             origin=self.origin,
             phase=self.phase,
             law=self.law,
@@ -294,7 +337,7 @@ class _Scene:
             self.motion,
             State(s, v),
             at,
-            parameters=self.parameters,
+            parameters=parameters,
             force=force,
             base=self.problem.rig,
         )

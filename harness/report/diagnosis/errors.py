@@ -97,11 +97,17 @@ def _failures(account: Account) -> list[str]:
     sets = [diagnosis.engines, *(one.engines for one in diagnosis.also.values())]
     runs = [run for each in sets for one in each.values() for run in (one, one.get("heldout", {}))]
     before, after = (
-        dict.fromkeys(run[when]["failed"] for run in runs if "failed" in run.get(when, {}))
+        dict.fromkeys(_failure(run[when]) for run in runs if "failed" in run.get(when, {}))
         for when in ("before", "after")
     )
     only = "without the effects found, " if account.changed else ""
     return [*after, *(f"{only}{text}" for text in before if text not in after)]
+
+
+def _failure(run: Mapping[str, Any]) -> str:
+    """How an engine failed, and that it did not over every horizon."""
+    rest = "over the horizons that have an error it ran through" if run["rms_m"] else ""
+    return "; ".join(filter(None, (run["failed"], rest)))
 
 
 def _warnings(account: Account) -> list[tuple[str, str]]:

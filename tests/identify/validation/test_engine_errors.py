@@ -6,18 +6,24 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from analytic.effects import Acting, acting
+from analytic.motion import FloatArray
 from analytic.rig import Rig
+from harness.engines.health import Failure
+from harness.engines.parameters import EngineParameters
+from harness.errors import EngineFailure
+from harness.failures import Failures
 from harness.identify.estimate.fit import Fit, fit
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import PreparedRecording, Problem
 from harness.identify.problem.settings import DEFAULT
 from harness.identify.problem.spline_term import KINDS, Kind, Regressor, SplineTerm, blank
-from harness.identify.validation.engine_errors import engine_errors, entries
+from harness.identify.validation.engine_errors import _Scene, engine_errors, entries
 from harness.identify.validation.held_out import HeldOut, errors
 from tests.own_scenes import crank_and_link, written
 from tests.posed import Posed
@@ -122,6 +128,55 @@ def test_an_engine_that_fails_says_so(short: Problem, base: Fit) -> None:
         assert run["after"]["rms_m"] == {}
         assert "failed at t" in run["after"]["failed"]
         assert run["before"]["rms_m"]
+
+
+def test_a_run_that_fails_costs_its_horizon_alone(short: Problem, base: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lose the error of the whole recording, and of no shorter window, where its run fails; no engine is to blame."""
+    whole = engine_errors(HeldOut(short, base, base, short.recordings))
+
+    def run(scene: _Scene, parameters: EngineParameters, state: FloatArray, at: FloatArray, *rest: Any) -> FloatArray:
+        if at[-1] - at[0] > 3.5:
+            raise EngineFailure(scene.engine.name, Failure.RAN_OFF, float(at[-1]), "s = 20.00 m")
+        return ran(scene, parameters, state, at, *rest)
+
+    ran, failures = _Scene._run, Failures()
+    monkeypatch.setattr(_Scene, "_run", run)
+    for name, one in engine_errors(HeldOut(short, base, base, short.recordings), failures=failures).items():
+        expected = dict(whole[name]["before"]["rms_m"])
+        assert expected.pop("whole") > 0.0
+        assert one["before"]["rms_m"] == pytest.approx(expected, rel=1e-3)
+        assert "s = 20.00 m" in one["before"]["failed"]
+    assert failures.all == ()
+
+
+def test_a_run_that_fails_is_tried_in_finer_steps(short: Problem, base: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take the engine's own step where the ball loses its contacts in wider ones."""
+
+    def run(scene: _Scene, parameters: EngineParameters, *rest: Any) -> FloatArray:
+        if parameters.time_step > 1e-3:
+            raise EngineFailure(scene.engine.name, Failure.LOST_CONTACT, 0.0, "0 contacts")
+        return ran(scene, parameters, *rest)
+
+    ran = _Scene._run
+    monkeypatch.setattr(_Scene, "_run", run)
+    for one in engine_errors(HeldOut(short, base, base, short.recordings)).values():
+        assert "whole" in one["before"]["rms_m"]
+        assert "failed" not in one["before"]
+
+
+def test_an_engine_that_fails_in_windows_is_to_blame(
+    short: Problem, base: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Count it as a failure where shorter windows than the whole recording fail, too."""
+
+    def run(scene: _Scene, *_: Any) -> FloatArray:
+        raise EngineFailure(scene.engine.name, Failure.LOST_CONTACT, 0.0, "0 contacts")
+
+    monkeypatch.setattr(_Scene, "_run", run)
+    failures = Failures()
+    for one in engine_errors(HeldOut(short, base, base, short.recordings), failures=failures).values():
+        assert one["before"]["rms_m"] == {}
+    assert [each.name for each in failures.all] == ["pybullet on first", "mujoco on first"]
 
 
 def test_a_linkage_that_gives_way_is_told(short: Problem, base: Fit, tmp_path: Path) -> None:
