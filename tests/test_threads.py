@@ -27,7 +27,7 @@ def test_no_more_threads_work_than_there_are_processors() -> None:
     """Have as many calls at work at once as processors, in threads within threads too."""
     lock, at_work, most = threading.Lock(), 0, 0
 
-    def inner(_: int) -> int:
+    def inner(_: int) -> None:
         nonlocal at_work, most
         with lock:
             at_work += 1
@@ -35,7 +35,6 @@ def test_no_more_threads_work_than_there_are_processors() -> None:
         time.sleep(1e-3)
         with lock:
             at_work -= 1
-        return threading.get_ident()
 
     in_threads(lambda _: in_threads(inner, range(20)), range(4))
     assert most <= (os.cpu_count() or 1)

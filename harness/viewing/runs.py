@@ -21,7 +21,7 @@ from harness.identify.estimate.own_values import own_of
 from harness.identify.model_file import observed_for, prepared_for, read_model, with_noise_of
 from harness.identify.problem.windows import KNOWN
 from harness.identify.record import ModelRecord
-from harness.identify.validation.engine_errors import InjectedLaw, law_of
+from harness.identify.validation.engine_run import InjectedLaw, law_of
 from harness.signals.ball_state import BallEstimate
 from harness.signals.drive import Drive
 

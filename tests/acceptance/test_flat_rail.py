@@ -64,7 +64,7 @@ def test_diagnose_validates_with_the_engines_on_a_flat_rail(harness: Harness, ca
     for name in ("mujoco", "pybullet"):
         engine = found["errors"]["engines"][name]["heldout"]["after"]
         assert engine["failed"] is None
-        # a state, a step of 2 ms and CAM's of 10 ms: as in tests/identify/validation/test_engine_errors.py
+        # a state, a step of 4 ms and CAM's of 10 ms: as in tests/identify/validation/test_engine_errors.py
         assert engine["rms_m"] == pytest.approx(cam, rel=1e-2, abs=2e-5)
     assert harness("predict", tmp_path / "out", case / "rec_03.csv", "--out", tmp_path / "predicted.csv").code == 0
     assert harness("replay", tmp_path / "out", case).code == 0

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from analytic.motion import FloatArray
 from harness.identify.problem.problem import PreparedRecording, Problem
+from harness.metrics.score import WHOLE
 
 KNOWN = 2.0  # length of the known part of a window [s]
 AHEAD = 3.0  # length of the predicted part of a window [s]
 HORIZONS = (1.0, 2.0, 3.0, 5.0)  # lengths of predicted spans [s]
-WHOLE = "whole"  # the horizon of all of a recording after its known part
 _FEWEST = 5  # readings that each part of a window needs
 _FEWEST_FITTED = 2  # windows
 GROUPS = 6  # of blocks, or of recordings, that are held out together

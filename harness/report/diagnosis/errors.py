@@ -10,6 +10,7 @@ from harness.identify.problem.windows import GROUPS, KNOWN
 from harness.identify.validation.beam_dependence import SIGNIFICANT
 from harness.identify.validation.engine_errors import entries
 from harness.identify.validation.held_out import BeforeAfter, Errors
+from harness.metrics.score import WHOLE
 from harness.report.diagnosis.account import Account
 from harness.report.diagnosis.growth import picture_of
 from harness.report.page import Section
@@ -86,7 +87,7 @@ def _table(account: Account, caption: str, cam: BeforeAfter, engines: Engines) -
     rows = []
     for horizon in dict.fromkeys(name for one in (cam.before, cam.after) for name in one.rms):
         cells = [each[when].get(horizon) for each in sources for when in _whens(account)]
-        title = f"rest after the first {brief(KNOWN)} s" if horizon == "whole" else f"windows of {horizon}"
+        title = f"rest after the first {brief(KNOWN)} s" if horizon == WHOLE else f"windows of {horizon}"
         rows.append((title, *(NONE if cell is None else error_size(cell) for cell in cells)))
     return Table(caption, columns, rows)
 
@@ -106,8 +107,8 @@ def _failures(account: Account) -> list[str]:
 
 def _failure(run: Mapping[str, Any]) -> str:
     """How an engine failed, and that it did not over every horizon."""
-    rest = "over the horizons that have an error it ran through" if run["rms_m"] else ""
-    return "; ".join(filter(None, (run["failed"], rest)))
+    failed = str(run["failed"])
+    return f"{failed}; over the horizons that have an error it ran through" if run["rms_m"] else failed
 
 
 def _warnings(account: Account) -> list[tuple[str, str]]:

@@ -11,6 +11,7 @@ from analytic.motion import FloatArray
 from harness.formatting import brief
 from harness.identify.problem.problem import PreparedRecording
 from harness.identify.problem.windows import HORIZONS, KNOWN, folds, horizon_spans
+from harness.metrics.score import WHOLE
 from harness.report.chart import Chart, Panel, Trace
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.palette import Look
@@ -80,7 +81,7 @@ def _lines(account: Account) -> list[_Line]:
         for when, errors, model in compared[: 2 if account.changed else 1]:
             label = f"{kind}, {when}" if account.changed else kind
             lengths = np.array([_length(name, predicted) for name in errors.rms])
-            notes = ["rest" if name == "whole" else f"windows of {name}" for name in errors.rms]
+            notes = ["rest" if name == WHOLE else f"windows of {name}" for name in errors.rms]
             look = replace(model, label=label, dash=dash, width=_WIDTH)
             lines.append(_Line(look, marker, lengths, 1e3 * np.array(list(errors.rms.values())), notes))
     return lines

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from harness.metrics.score import WHOLE
 from harness.report.diagnosis.account import FOUND, MODEL
 from harness.report.palette import look_of
 from harness.report.plots import drawing, plain_log, style
@@ -16,7 +17,7 @@ _APART = 1.04  # ratio of places between sources at one horizon
 _REST = 2.0  # ratio of the place of the rest, whose length is not kept, to the longest horizon
 _MARKERS = "osD^v"
 
-_WHOLE, _WHOLE_LABEL = "whole", "rest"
+_WHOLE_LABEL = "rest"
 
 Error = tuple[str, str, float | None, float | None]
 """Source, horizon, RMS error before and after [m]; `None` where it is not known."""
@@ -40,12 +41,10 @@ def drawn(errors: Sequence[Error]) -> Figure:
         plain_log(axes, "y")
     if horizons:
         plain_log(axes, "x", list(horizons.values()))
-        axes.set_xticks(
-            list(horizons.values()), [_WHOLE_LABEL if one == _WHOLE else one.split()[0] for one in horizons]
-        )
+        axes.set_xticks(list(horizons.values()), [_WHOLE_LABEL if one == WHOLE else one.split()[0] for one in horizons])
         axes.set_xlim(min(horizons.values()) / 1.3, max(horizons.values()) * 1.3)
-    if len(horizons) > 1 and _WHOLE in horizons:
-        axes.axvline(horizons[_WHOLE] / np.sqrt(_REST), color="#5b6672", linewidth=0.8, linestyle=":")
+    if len(horizons) > 1 and WHOLE in horizons:
+        axes.axvline(horizons[WHOLE] / np.sqrt(_REST), color="#5b6672", linewidth=0.8, linestyle=":")
     axes.set(xlabel=f"prediction horizon [s]; {_WHOLE_LABEL}: all of a recording that follows", ylabel="RMS error [mm]")
     marks, _ = axes.get_legend_handles_labels()
     colours = [Patch(color=look.colour, label=label) for look, label in ((MODEL, "before"), (FOUND, "after"))]
@@ -55,8 +54,8 @@ def drawn(errors: Sequence[Error]) -> Figure:
 
 def _places(names: Sequence[str]) -> dict[str, float]:
     """Place [s] on the axis of every horizon, such as "3 s", in ascending order; the rest is beyond all others."""
-    lengths = {name: float(name.split()[0]) for name in names if name != _WHOLE}
+    lengths = {name: float(name.split()[0]) for name in names if name != WHOLE}
     places = dict(sorted(lengths.items(), key=lambda one: one[1]))
-    if _WHOLE in names:
-        places[_WHOLE] = _REST * max(places.values(), default=1.0)
+    if WHOLE in names:
+        places[WHOLE] = _REST * max(places.values(), default=1.0)
     return places
