@@ -6,26 +6,22 @@ that the user added to the catalogue. Forking is unsafe in programs whose thread
 default everywhere is a single process.
 """
 
-import ctypes
 import multiprocessing
-import os
-import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
+from multiprocessing.connection import wait
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from harness.errors import HarnessError
-
-_PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+from harness.worker import Worker, WorkerEnded
 
 T = TypeVar("T")
 Results = Callable[[], list[T]]
-
-_jobs: Sequence[Callable[[], Any]] = ()  # in a forked process
+_Ended = tuple[int, Any, BaseException | None]  # number of a job, its result, or what it raised
 
 
 def can_fork() -> bool:
@@ -58,25 +54,28 @@ def meanwhile(
 ) -> Iterator[Results[T]]:
     """As `side_by_side`, but the jobs run while the block does; the function that it is given awaits the results.
 
-    No other process may be forked within the block.
+    At the end of the block the processes are ended, whatever they do. No other process may be forked within it.
     """
     workers = min(workers, len(jobs))
     if workers < 2 or not can_fork():
         yield partial(_one_by_one, jobs, on_done)
         return
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _begin, (jobs, os.getpid()))
+    # Not a future for each: its lock could stay closed for ever where an interrupt comes while it is taken.
+    ended: SimpleQueue[_Ended] = SimpleQueue()
+    began: list[Worker] = []
+    hands_out = threading.Thread(target=_hand_out, args=(began, len(jobs), ended), daemon=True)
     try:
-        pending = [pool.submit(_do, index) for index in range(len(jobs))]
-        yield partial(_awaited, pending, on_done)
-    except Exception:
-        raise
-    except BaseException:  # an interrupt waits for no job, which may be an engine that never returns
-        for process in set(multiprocessing.active_children()) - others:
-            process.kill()
-        raise
+        for _ in range(workers):
+            began.append(Worker.begun(lambda number: jobs[number](), fork=True))
+        hands_out.start()
+        yield partial(_awaited, len(jobs), ended, on_done, {})
     finally:
-        pool.shutdown(cancel_futures=True)
+        for worker in began:
+            worker.process.kill()
+        if hands_out.is_alive():  # it reads from the pipes until then
+            hands_out.join()
+        for worker in began:
+            worker.end()
 
 
 def _one_by_one(jobs: Sequence[Callable[[], T]], on_done: Callable[[int], None]) -> list[T]:
@@ -87,30 +86,43 @@ def _one_by_one(jobs: Sequence[Callable[[], T]], on_done: Callable[[int], None])
     return results
 
 
-def _awaited(pending: Sequence[Future[T]], on_done: Callable[[int], None]) -> list[T]:
+def _hand_out(workers: Sequence[Worker], count: int, ended: SimpleQueue[_Ended]) -> None:
+    """Give each worker the number of one job after another, and pass on what comes of it, until one worker has died."""
+    numbers = iter(range(count))
+    busy: dict[Any, tuple[int, Worker]] = {}
+
+    def next_to(worker: Worker) -> None:
+        number = next(numbers, None)
+        if number is not None:
+            busy[worker.pipe] = number, worker
+            worker.pipe.send(number)
+
     try:
-        for done, future in enumerate(as_completed(pending), start=1):
-            future.result()
-            on_done(done)
-    except BrokenProcessPool as error:
-        raise HarnessError("a process ended during its work; check that there is enough memory") from error
-    return [future.result() for future in pending]
+        for worker in workers:
+            next_to(worker)
+        while busy:
+            for pipe in wait(list(busy)):
+                number, worker = busy.pop(pipe)
+                try:
+                    ended.put((number, worker.answer(), None))
+                except WorkerEnded:
+                    raise
+                except Exception as error:
+                    ended.put((number, None, error))
+                next_to(worker)
+    except (WorkerEnded, OSError):  # the latter where a number cannot be sent any more
+        text = "a process ended during its work; check that there is enough memory"
+        ended.put((-1, None, HarnessError(text)))
 
 
-def _begin(jobs: Sequence[Callable[[], Any]], parent: int) -> None:
-    global _jobs
-    _jobs = jobs
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent's handler is none of this process
-    end_with(parent)
-
-
-def end_with(parent: int) -> None:
-    """Have the system kill this process when its parent is killed, which else leaves it waiting for work for ever."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:  # it was killed before that
-        os._exit(1)
-
-
-def _do(index: int) -> Any:
-    return _jobs[index]()
+def _awaited(
+    count: int, ended: SimpleQueue[_Ended], on_done: Callable[[int], None], results: dict[int, Any]
+) -> list[Any]:
+    while len(results) < count:
+        number, result, error = ended.get()
+        if error is not None:
+            ended.put((number, result, error))  # for who asks again
+            raise error
+        results[number] = result
+        on_done(len(results))
+    return [results[number] for number in range(count)]

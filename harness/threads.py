@@ -12,6 +12,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
 _S = TypeVar("_S")
@@ -19,7 +20,11 @@ _T = TypeVar("_T")
 
 BLAS_THREADS = "OPENBLAS_NUM_THREADS"  # read by OpenBLAS when it is loaded
 
-_idle = threading.Semaphore((os.cpu_count() or 1) - 1)  # as many as processors without a thread of `in_threads`
+# One for each processor without a thread of `in_threads`. Not a semaphore: an interrupt that comes while its lock is
+# taken would leave it so, and threads waiting for ever.
+_idle: SimpleQueue[None] = SimpleQueue()
+for _ in range((os.cpu_count() or 1) - 1):
+    _idle.put(None)
 
 
 def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T]:
@@ -52,25 +57,34 @@ def in_threads(function: Callable[[_S], _T], arguments: Iterable[_S]) -> list[_T
         try:
             work()
         finally:
-            _idle.release()
+            _idle.put(None)
 
     helpers: list[threading.Thread] = []
     try:
-        while len(helpers) < len(every) - 1 and _idle.acquire(blocking=False):
-            helper = threading.Thread(target=help_out)
+        while len(helpers) < len(every) - 1 and _one_is_idle():
+            helper = threading.Thread(target=help_out, daemon=True)
             helper.start()
             helpers.append(helper)
         work()
     finally:
         left.clear()
         if helpers:
-            _idle.release()  # while this thread waits, others have its processor
+            _idle.put(None)  # while this thread waits, others have its processor
             for helper in helpers:
                 helper.join()
-            _idle.acquire()
+            _idle.get()
     if raised:
         raise min(raised.items(), key=lambda each: (isinstance(each[1], Exception), each[0]))[1]
     return [results[number] for number in range(len(every))]
+
+
+def _one_is_idle() -> bool:
+    """Whether there is an idle processor; it is taken then."""
+    try:
+        _idle.get(block=False)
+    except Empty:
+        return False
+    return True
 
 
 @contextmanager

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
+import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
+from pickle import PicklingError
 
 import pytest
 
@@ -49,8 +53,58 @@ def test_an_error_of_a_job_is_passed_on() -> None:
     def bad() -> int:
         raise InputError("rec_02.csv: no positions")
 
-    with pytest.raises(InputError, match="rec_02"):
+    with pytest.raises(InputError, match="rec_02") as raised:
         side_by_side([late(0), bad, late(1)], 2)
+    assert "in bad\n" in "".join(raised.value.__notes__)  # where in the other process
+
+
+@pytest.mark.parametrize("error", [EOFError("its own"), OSError(5, "its own")])
+def test_an_error_as_of_a_pipe_is_one_of_the_job(error: Exception) -> None:
+    """Take what a job raises for its own, even if a process that has died shows in the same way."""
+
+    def bad() -> int:
+        raise error
+
+    with pytest.raises(type(error), match="its own"):
+        side_by_side([bad, late(1)], 2)
+
+
+def test_an_error_that_cannot_be_sent_is_told() -> None:
+    """Pass on in words what no pickle can carry, of a result too."""
+
+    class Own(Exception):
+        pass
+
+    def bad() -> int:
+        raise Own("some words")
+
+    with pytest.raises(HarnessError, match="Own: some words"):
+        side_by_side([bad, late(1)], 2)
+    with pytest.raises((AttributeError, TypeError, PicklingError), match="pickle"):
+        side_by_side([lambda: lambda: 0, late(1)], 2)
+
+
+def _bytes_read() -> int:
+    """By this process since it began."""
+    return int(Path("/proc/self/io").read_text(encoding="utf-8").split()[1])
+
+
+def _interrupted_in_a_result() -> None:
+    with meanwhile([lambda: bytes(300_000_000)] * 2, 2):
+        begin = _bytes_read()
+        while _bytes_read() < begin + 1_000_000:
+            time.sleep(1e-3)
+        raise KeyboardInterrupt
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="there are no forked processes elsewhere")
+@pytest.mark.timeout(60)
+def test_an_interrupt_in_the_middle_of_a_result_ends_all() -> None:
+    """Wait for nothing that a killed process has begun to send, and leave no process and no thread."""
+    before = set(multiprocessing.active_children()), threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        _interrupted_in_a_result()
+    assert (set(multiprocessing.active_children()), threading.active_count()) == before
 
 
 def test_a_process_that_dies_is_told() -> None:

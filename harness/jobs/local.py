@@ -6,35 +6,27 @@ one of its processes dies, and cannot end a job that hangs; hence a pipe to each
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
-from multiprocessing.resource_tracker import ensure_running
+from multiprocessing.connection import wait
 from typing import Any
 
-from harness.errors import HarnessError
 from harness.jobs.interface import ATTEMPTS, DIED, TIME_LIMIT, A, Lost, T, lost
 from harness.jobs.threads import single_threaded
-from harness.parallel import end_with
+from harness.worker import Worker, WorkerEnded
 
 _STARTING = 60.0  # for a new process to import what the function needs, beside the time limit of its first job [s]
 _JOBS = 64  # of a process: what compiled code does not give back stays bounded (MuJoCo: some 35 kB a run)
 
 
 @dataclass
-class _Worker:
-    """A process, the pipe to it, and what it does."""
+class _Worker(Worker):
+    """A process, and what it does."""
 
-    process: SpawnProcess
-    pipe: Connection
     index: int = -1  # of its job; -1 where it has none
     argument: Any = None
     attempt: int = 0
@@ -44,12 +36,6 @@ class _Worker:
     @property
     def busy(self) -> bool:
         return self.index >= 0
-
-    def end(self) -> None:
-        """End the process, whatever it does."""
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
 
 
 class Local:
@@ -84,8 +70,6 @@ class Local:
                     if worker.done == _JOBS and worker in workers:
                         workers.remove(worker)
                         worker.end()
-                    if isinstance(result, BaseException):
-                        raise result
                     yield index, result
         finally:
             for worker in workers:
@@ -106,7 +90,8 @@ class Local:
                 return
             worker = next((one for one in workers if not one.busy), None)
             if worker is None:
-                workers.append(worker := _begun(function))
+                with single_threaded():
+                    workers.append(worker := _Worker.begun(function))
             worker.index, worker.argument, worker.attempt = task
             if time_limit is not None:
                 worker.deadline = time.monotonic() + time_limit + (0.0 if worker.done else _STARTING)
@@ -120,9 +105,10 @@ class Local:
         for worker in busy:
             if worker.pipe in ready:
                 try:
-                    yield worker, worker.pipe.recv()
-                except (EOFError, OSError):
-                    yield worker, _Broken(DIED)
+                    result = worker.answer()
+                except WorkerEnded:
+                    result = _Broken(DIED)
+                yield worker, result
             elif time.monotonic() > worker.deadline:
                 yield worker, _Broken(TIME_LIMIT)
 
@@ -132,50 +118,3 @@ class _Broken:
     """An attempt without a result."""
 
     reason: str
-
-
-def _begun(function: Callable[[Any], Any]) -> _Worker:
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_work, args=(function, theirs, os.getpid()), daemon=True)
-    try:
-        with single_threaded(), _without_interrupts():
-            process.start()
-    except OSError as error:
-        raise HarnessError(f"no further process can be started ({error.strerror}); use fewer of them") from error
-    theirs.close()
-    return _Worker(process, ours)
-
-
-@contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back; a process that starts meanwhile never gets one, not even while it imports what it needs.
-
-    The parent handles interrupts, and gets one that came meanwhile at the end.
-    """
-    if sys.platform == "win32":
-        yield
-        return
-    ensure_running()  # which else would be started meanwhile, and lets signals through at the end of that
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _work(function: Callable[[Any], Any], pipe: Connection, parent: int) -> None:
-    """In the process: do jobs until the pipe is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
-    if sys.platform == "linux":
-        end_with(parent)
-    while True:
-        try:
-            argument = pipe.recv()
-        except EOFError:
-            return
-        try:
-            result = function(argument)
-        except Exception as error:
-            result = error
-        pipe.send(result)
