@@ -4,25 +4,42 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
-_PIVOT = 1e-12  # smallest pivot of a covariance, over its variances: no less than what rounding leaves
+_LEAST = 1e-13  # of what is left of a variance, over that variance: no less than what rounding leaves
 
 
 @njit(cache=True)
 def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
-    """Cholesky factor of a covariance whose entries span decades, into L from row and column `first` on."""
-    for i in range(len(covariance)):
-        for j in range(i + 1):
-            total = covariance[i, j]
-            for a in range(j):
-                total -= L[first + i, first + a] * L[first + j, first + a]
-            if i == j:
-                L[first + i, first + i] = math.sqrt(max(total, _PIVOT * covariance[i, i]))
-            else:
-                root = L[first + j, first + j]
-                L[first + i, first + j] = total / root if root > 0.0 else 0.0
+    """Triangular root of a covariance whose entries span decades, into L from row and column `first` on.
+
+    By Cholesky's factors of the correlations in the order of what is left of each variance, until that is rounding
+    (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 2002, section 10.3). In the order of the rows,
+    factors grow without bound where numbers depend on each other nearly linearly, as those of an angle behind a servo,
+    a hold and a lag do.
+    """
+    size = len(covariance)
+    deviations = np.sqrt(np.diag(covariance))
+    left, M, L_own = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
+    for i in range(size):
+        for j in range(size):
+            scale = deviations[i] * deviations[j]
+            left[i, j] = covariance[i, j] / scale if scale > 0.0 else 0.0
+    for k in range(size):
+        at = int(np.argmax(np.diag(left)))
+        if left[at, at] < _LEAST:
+            break
+        M[:, k] = left[:, at] / math.sqrt(left[at, at])
+        for i in range(size):
+            for j in range(size):
+                left[i, j] -= M[i, k] * M[j, k]
+    for i in range(size):
+        M[i] *= deviations[i]
+    triangular(M, L_own)
+    L[first : first + size, first : first + size] = L_own
 
 
 @njit(cache=True)
