@@ -25,6 +25,8 @@ from harness.identify.selection.decision import NONE, Decision, Evidence, Rule
 from harness.metrics.bootstrap import Margin, mean_reduction
 from harness.numerics import TWO_SIDED
 
+_MAY_BE_NONE = "too little for one whose strength may be none"
+
 
 @dataclass(frozen=True)
 class Criterion:
@@ -94,7 +96,7 @@ class Criterion:
             Rule.CORRELATED: self._correlated,
             Rule.JOINT: self._joint,
             Rule.VALIDATE: self._validate,
-            Rule.EXTEND: self._held_out,
+            Rule.EXTEND: self._extend,
             Rule.EXCHANGE: self._exchange,
             Rule.PRUNE: self._prune,
             Rule.RESTORE: self._restore,
@@ -205,6 +207,13 @@ class Criterion:
             return False, f"{text}, too little"
         return kept, text
 
+    def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
+        """The best candidate is kept if it surely reduces the held-out error, and would not be pruned at once."""
+        kept, text = self._held_out(tried, against, gain, evidence)
+        if kept and not self.worth_its_strength(tried, against):
+            return False, f"{text}, {_MAY_BE_NONE}"
+        return kept, text
+
     def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """What was selected is kept unless held-out blocks are predicted worse with it."""
         return bool(np.mean(tried.held_out) <= np.mean(against.held_out)), _held_out_errors(tried, against)
@@ -234,16 +243,9 @@ class Criterion:
         return self.gain(tried, against) > self.settings.held_out_rival and self.reduction(tried, against, tests).sure
 
     def _prune(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """An effect is kept if it reduces the held-out error by more than what its parameters have to.
-
-        One whose strength is not surely any has to reduce it by as good a part as effects tried together: chance
-        reduces the errors of few blocks by less.
-        """
-        sure, text = _surely_strong(tried, against), _held_out_errors(tried, against)
-        kept = gain > (0.0 if sure else self.settings.held_out_least)
-        if gain > 0.0 and not kept:
-            text += ", too little for one whose strength may be none"
-        return kept, text
+        """An effect is kept if it reduces the held-out error by more than what its parameters have to."""
+        text, kept = _held_out_errors(tried, against), gain > 0.0 and self.worth_its_strength(tried, against)
+        return kept, text if kept or gain <= 0.0 else f"{text}, {_MAY_BE_NONE}"
 
     def _restore(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """A spline term by likelihood is returned to if, so fitted, it surely predicts held-out blocks better."""
@@ -251,6 +253,13 @@ class Criterion:
         sure = mean_reduction(before, after, self.settings.chance).sure
         text = f"fitted by likelihood, {_predicts(after, before)}"
         return sure, text if sure or gain <= 0.0 else f"{text}, which is not significant"
+
+    def worth_its_strength(self, tried: Fit, against: Fit) -> bool:
+        """Whether what `tried` has beside `against` is surely of some strength, or reduces the held-out error much.
+
+        By as good a part as effects tried together: chance reduces the errors of few blocks by less.
+        """
+        return _surely_strong(tried, against) or self.gain(tried, against) > self.settings.held_out_least
 
     def reduction(self, tried: Fit, against: Fit, tests: int = 1) -> Margin:
         """Reduction of the mean held-out error [m], with its interval at the significance level divided by `tests`."""

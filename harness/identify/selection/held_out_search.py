@@ -65,12 +65,16 @@ def search_by_held_out_errors(
     if best is None or (best.hypothesis == found.refined and _predicts_as_well(problem, found, best)):
         return base, found
     best = search.exchanged(best)  # before each addition: what only stands in for a true cause may ask for another one
+    extended: set[frozenset[str]] = set()
     while True:
         best = search.pruned(best)  # before each addition, too: what is idle takes the place of what is not
-        full = len(selected_effects(problem, best)) >= problem.settings.max_effects
+        effects = frozenset(selected_effects(problem, best))
+        # Fits from other values may end elsewhere, so that what an addition led to is pruned to what there was.
+        full = len(effects) >= problem.settings.max_effects or effects in extended
         further = None if full else search.extended(best)
         if further is None:
             return plain, best
+        extended.add(effects)
         best = search.exchanged(further)
 
 
@@ -260,10 +264,12 @@ class _Search:
         """Decide on cross-validated fits, best first; the one kept, if any."""
         criterion = self.ledger.criterion
         ranked = sorted(tried, key=criterion.value)
+        lasting = [fit for fit in ranked if rule is not Rule.EXTEND or criterion.worth_its_strength(fit, against)]
+        winner = next(iter(lasting or ranked), None)
         kept = None
         for fit in ranked:
-            evidence = Evidence(winner=ranked[0], tests=tests)
-            if rule is Rule.EXCHANGE and fit is ranked[0] and criterion.needs_evidence(rule, fit, against, tests):
+            evidence = Evidence(winner=winner, tests=tests)
+            if rule is Rule.EXCHANGE and fit is winner and criterion.needs_evidence(rule, fit, against, tests):
                 evidence = self._with_losses(evidence, fit, against)
             if self.ledger.decide(rule, fit, against, _added(fit, against), evidence):
                 kept = fit
