@@ -198,7 +198,8 @@ def _fitted_to_forecasts(diagnosis: Diagnosis) -> str:
         return ""
     without, fitted = error_size(compared.rms(AFTER)), error_size(compared.rms(FORECASTS))
     common = diagnosis.forecasting is not None and diagnosis.forecasting.hypothesis != diagnosis.found.hypothesis
-    what = "all effects that are common on measured rigs, together" if common else "parameters"
+    alone = "parameters" if diagnosis.found.hypothesis.size(diagnosis.problem) else "a process noise"
+    what = "all effects that are common on measured rigs, together" if common else alone
     return f"; predictions use {what} fitted to forecasts ({fitted} over held-out blocks, {without} without)"
 
 

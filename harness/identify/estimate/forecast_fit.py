@@ -32,7 +32,8 @@ _MOST_STEPS = 30
 def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fit:
     """The hypothesis of `begin`, its parameters and process noise fitted to forecasts of `windows`.
 
-    The loss is the soft L1, with c of the errors that `begin` makes.
+    The loss is the soft L1, with c of the errors that `begin` makes. A hypothesis without parameters gets the process
+    noise alone.
 
     Args:
         begin: a fit without a spline term, and without values that recordings have of their own.

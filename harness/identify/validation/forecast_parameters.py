@@ -11,6 +11,8 @@ from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.predictions import as_predicted
+from harness.identify.estimate.travel import ANYWHERE
+from harness.identify.estimate.window_errors import tuned_to_windows
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
@@ -28,7 +30,7 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
 
     It has the effects found. Where none was found it has those that are common on measured rigs, as what they have in
     common with what acts may help a prediction though no single one is surely there; with too few blocks for these,
-    the quantities of the rig alone that are not known.
+    the quantities of the rig alone that are not known, or the process noise alone where all are.
 
     `None` where what was found by likelihood lacks nothing that the readings show, or predicts as well as a complete
     model would; where there are too few blocks; for curves and values that recordings have of their own, which a few
@@ -49,7 +51,7 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     hypotheses = [found.hypothesis]
     if not selected_effects(problem, found):
         hypotheses.insert(0, Hypothesis((*problem.unknown, *common_effects(problem))))
-    enough = [one for one in hypotheses if 0 < one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0 and not one.own]
+    enough = [one for one in hypotheses if one.size(problem) <= blocks / _BLOCKS_FOR_EACH - 1.0 and not one.own]
     if blocks < FEWEST or not enough:
         return None
     progress("parameters for predictions: fits to forecasts")
@@ -57,6 +59,8 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     begin = found
     if hypothesis != found.hypothesis:
         begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
+    elif found.estimator is Estimator.LIKELIHOOD:  # whose process noise may lie in another minimum of these errors
+        begin = tuned_to_windows(problem, replace(found, travel=ANYWHERE), windows)
     whole = fit_forecasts(problem, begin, windows)
     if not np.all(np.isfinite(whole.covariance)):
         return None

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.effects import acting
 from harness.api.saved import LoadedDiagnosis
 from harness.identify.estimate.block_errors import block_errors
 from harness.identify.estimate.cross_validation import cross_validated
@@ -78,6 +79,23 @@ def test_without_blocks_for_common_effects_the_rig_alone_is_fitted(rolling: tupl
     made = fitted_to_forecasts(problem, fit(problem, Hypothesis(problem.unknown)))
     assert made is not None
     assert made.hypothesis.names == problem.unknown
+
+
+def test_where_all_is_known_the_process_noise_alone_is_fitted(rolling: tuple[Posed, Fit]) -> None:
+    """Follow a sensor with steps of 6 mm less closely than the likelihood does, which takes them for forces."""
+    posed, _ = rolling
+    worn = tuple(
+        replace(one, reading=one.reading + 0.006 * (np.floor(one.reading / 0.04) % 2))
+        for one in posed.problem.recordings
+    )
+    declared = (*posed.problem.declared, acting(ROLLING, {"coefficient": 0.01}))
+    problem = replace(posed.problem, recordings=worn, declared=declared)
+    found = as_predicted(problem, fit(problem, Hypothesis(())))
+    made = fitted_to_forecasts(problem, found)
+    assert made is not None
+    assert not len(made.theta)
+    assert made.process_noise < 0.01 * found.process_noise
+    assert rms(np.array(made.forecast_errors)) < 0.5 * rms(np.array(found.forecast_errors))
 
 
 def test_held_out_blocks_are_predicted_better(rolling: tuple[Posed, Fit], wrong: Fit, forecasting: Fit) -> None:
