@@ -9,6 +9,7 @@ import numpy as np
 from analytic.compiled import njit
 from analytic.motion import FloatArray
 
+_APART = 1e-8  # product of what is left of the variances, over these, above which rounding leaves 1e-8 of any
 _LEAST = 1e-13  # of what is left of a variance, over that variance: no less than what rounding leaves
 
 
@@ -16,14 +17,42 @@ _LEAST = 1e-13  # of what is left of a variance, over that variance: no less tha
 def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
     """Triangular root of a covariance whose entries span decades, into L from row and column `first` on.
 
-    By Cholesky's factors of the correlations in the order of what is left of each variance, until that is rounding
-    (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 2002, section 10.3). In the order of the rows,
-    factors grow without bound where numbers depend on each other nearly linearly, as those of an angle behind a servo,
-    a hold and a lag do.
+    By Cholesky's factor in the order of the rows. Where numbers depend on each other nearly linearly, as those of an
+    angle behind a servo, a hold and a lag do, that would grow without bound; it is then taken in the order of what is
+    left of each variance, until that is rounding (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.,
+    2002, section 10.3).
     """
+    if not _by_rows(covariance, L, first):
+        _by_size(covariance, L, first)
+
+
+@njit(cache=True)
+def _by_rows(covariance: FloatArray, L: FloatArray, first: int) -> bool:
+    """Fill L by rows; false where rounding spoils that."""
+    apart = 1.0
+    for i in range(len(covariance)):
+        for j in range(i + 1):
+            total = covariance[i, j]
+            for a in range(j):
+                total -= L[first + i, first + a] * L[first + j, first + a]
+            if i == j:
+                if covariance[i, i] > 0.0:
+                    apart *= total / covariance[i, i]
+                if not apart > _APART:
+                    return False
+                L[first + i, first + i] = math.sqrt(total)
+            else:
+                root = L[first + j, first + j]
+                L[first + i, first + j] = total / root if root > 0.0 else 0.0
+    return True
+
+
+@njit(cache=True)
+def _by_size(covariance: FloatArray, L: FloatArray, first: int) -> None:
+    """Fill L by the largest of the correlations that are left."""
     size = len(covariance)
     deviations = np.sqrt(np.diag(covariance))
-    left, M, L_own = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
+    left, M, own = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
     for i in range(size):
         for j in range(size):
             scale = deviations[i] * deviations[j]
@@ -38,8 +67,9 @@ def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
                 left[i, j] -= M[i, k] * M[j, k]
     for i in range(size):
         M[i] *= deviations[i]
-    triangular(M, L_own)
-    L[first : first + size, first : first + size] = L_own
+    triangular(M, own)
+    for i in range(size):
+        L[first + i, first : first + i + 1] = own[i, : i + 1]
 
 
 @njit(cache=True)

@@ -50,10 +50,12 @@ def test_the_root_of_a_covariance_of_any_rank_is_one(rank: int) -> None:
         assert wrong_by(factor @ factor.T) < ROUNDING
 
 
-def test_the_rest_of_the_matrix_stays() -> None:
-    """Write the root from the given row and column on, and nothing else."""
+@pytest.mark.parametrize("other", [5.0, 1.0 + 1e-14])
+def test_the_rest_of_the_matrix_stays(other: float) -> None:
+    """Write the root below and on the diagonal from the given row and column on, and nothing else."""
     L = np.full((4, 4), 7.0)
-    root_of(np.array([[4.0, 2.0], [2.0, 5.0]]), L, 2)
-    np.testing.assert_allclose(L[2:, 2:], [[2.0, 0.0], [1.0, 2.0]], rtol=ROUNDING)
-    assert (L[:2] == 7.0).all()
-    assert (L[2:, :2] == 7.0).all()
+    root_of(np.array([[4.0, 2.0], [2.0, other]]), L, 2)
+    root = np.array([[2.0, 0.0], [1.0, np.sqrt(other - 1.0)]])
+    np.testing.assert_allclose(np.tril(L[2:, 2:]), root, rtol=ROUNDING, atol=1e-6)
+    L[2:, 2:] += np.tril(7.0 - L[2:, 2:])
+    np.testing.assert_array_equal(L, 7.0)
