@@ -25,6 +25,7 @@ _LARGEST = 10.0  # readings of a bunch on average; beyond, the clock is too coar
 _PAUSE = 3.0  # time between bunches beyond which readings are missing, in median ones
 # Change from one reading to the next within bunches over that from bunch to bunch. It is 1 for readings at an even
 # rate, and at most a third for three or more taken in a quarter of the time or less; noise alone makes it 1 in both.
+# Readings of a slow rig are few, and their ratio is known no better than its standard error, which it may be off by.
 _AS_MUCH = 0.6
 
 
@@ -74,4 +75,6 @@ def _changes_evenly(signal: FloatArray, close: NDArray[np.bool_]) -> bool:
     within, between = change[close & np.isfinite(change)], change[~close & np.isfinite(change)]
     if not len(within) or not len(between):
         return False
-    return float(np.mean(within)) >= _AS_MUCH * float(np.mean(between))
+    least = _AS_MUCH * np.mean(between)
+    error = np.hypot(*(share * np.std(one) / np.sqrt(len(one)) for share, one in ((1.0, within), (_AS_MUCH, between))))
+    return bool(np.mean(within) + error >= least)

@@ -55,10 +55,10 @@ def pushes(
         gravity: g [m/s²].
     """
     at = np.flatnonzero(usable)
-    if len(at) < 2 * FEWEST:
-        return ()
-    block = block_length(time[at])
+    block = block_length(time[at]) if len(at) > 1 else 1
     t, s = block_means(time[at], block), block_means(position[at], block)
+    if len(t) < 2 * FEWEST:  # few readings, or stamps in bursts, closer together than readings are on average
+        return ()
     step = float(np.median(np.diff(t)))
     w = max(FEWEST, round(SPAN / step))
     if len(t) < 4 * w:

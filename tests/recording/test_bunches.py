@@ -49,6 +49,22 @@ def test_readings_that_were_stamped_together_get_the_times_at_which_they_were_ta
     assert "equal-stamps" not in said
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_bunches_are_told_by_the_few_readings_of_a_slow_rig(tmp_path: Path, seed: int) -> None:
+    """Spread three readings each at 10 Hz, of a ball that rests, and then moves a few centimetres at once."""
+    generator = np.random.default_rng(seed)
+    taken = 0.1 * np.arange(159)
+    last = np.minimum((np.arange(taken.size) // 3 + 1) * 3, taken.size) - 1
+    stamps = taken[last] - (last - np.arange(taken.size)) * TICK
+    angle = 0.02 * np.sin(3.0 * taken) + 0.02 * np.sin(1.1 * taken + seed)
+    moved = np.cumsum(generator.uniform(size=taken.size) < 0.1)  # and rests between
+    position = 0.3 + 0.05 * np.sin(0.6 * moved) + 5e-4 * generator.standard_normal(taken.size)
+    rows = np.column_stack((stamps, angle, position))
+    path = tmp_path / "rec.csv"
+    np.savetxt(path, rows, "%.4f,%.5f,%.5f", header="time_s,beam_angle_rad,ball_position_m", comments="")
+    assert np.abs(load_recording(path).time - taken).max() < 2.0 * TICK
+
+
 def test_a_gap_between_bunches_stays(tmp_path: Path) -> None:
     """Spread no bunch over a second in which nothing was recorded."""
     kept = np.abs(np.arange(TIME.size) // 4 - 125) > 12  # whole bunches

@@ -10,6 +10,7 @@ import pytest
 
 from harness.recording import Recording, load_case, load_recording
 from harness.recording.parts import Break, parts_between
+from harness.recording.pushes import pushes
 from tests.recording.simulated import write
 from tests.recording.stopped import Run, Stopped, stopped
 
@@ -118,3 +119,11 @@ def test_a_command_that_answers_noisy_readings_pushes_nothing(tmp_path: Path, se
     made = stopped(Run(swing=0.06, delay=0.06, noise=3e-3, commanded=True), seed=seed)
     assert not made.touching.any()
     assert told(load_recording(written(tmp_path, made))) == []
+
+
+def test_stamps_in_bursts_tell_of_no_push() -> None:
+    """Find none where stamps are so close in bursts that all readings are averaged to one."""
+    time = np.repeat(0.3 * np.arange(50), 3) + np.tile([0.0, 1e-4, 2e-4], 50)
+    position, usable = 0.3 + 0.05 * np.sin(time), np.ones(time.size, dtype=bool)
+    assert pushes(time, 0.05 * np.sin(time), position, usable, gravity=9.81) == ()
+    assert pushes(time, 0.05 * np.sin(time), position, ~usable, gravity=9.81) == ()

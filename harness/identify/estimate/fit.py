@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 
 from analytic.motion import FloatArray
+from harness.errors import InputError
 from harness.identify.estimate.band import AS_FORESEEN, Band
 from harness.identify.estimate.screening import COARSE_STEP, INSIDE, ScreeningFit, information_inverse, screen
 from harness.identify.estimate.travel import ANYWHERE, Travel
@@ -147,6 +148,9 @@ def fit(
         initial: initial values by (effect, parameter).
         starts: initial scaled parameters, shape (k,) each, instead of the best screening fits.
         rounds: largest number of alternations of parameters and process noise; by default that of the settings.
+
+    Raises:
+        InputError: the model's ball leaves all numbers from a starting point.
     """
     settings = problem.settings
     width = _NEARBY if starts else _WIDE
@@ -190,7 +194,11 @@ def _fit_from(
         before, previous = deviance, (theta, slopes, process_noise, deviance)
         if len(theta):
             residuals = Residuals(problem, hypothesis, _density(problem, hypothesis, process_noise))
-            theta, slopes = _least_squares(residuals, smoothness, theta, low, high, first=number == 0)
+            begin = theta
+            try:
+                theta, slopes = _least_squares(residuals, smoothness, begin, low, high, first=number == 0)
+            except ValueError as error:
+                raise (_diverging(problem, residuals.at(begin)) or error) from error
         reach, middle = (width if number == 0 else _NARROW), math.log(process_noise)
         optimum = minimize_scalar(
             lambda x, at=theta: Residuals(problem, hypothesis, math.exp(x)).deviance(at),
@@ -209,6 +217,21 @@ def _fit_from(
     covariance = information_inverse(problem, hypothesis, slopes)
     quiet = quiet_deviance(problem, best)
     return Fit(hypothesis, theta, best, process_noise, deviance, covariance, problem.readings, quiet_deviance=quiet)
+
+
+def _diverging(problem: Problem, residuals: FloatArray) -> InputError | None:
+    """Where residuals, shape (readings,), are no numbers, as an error; none if all are."""
+    at = 0
+    for recording in problem.recordings:
+        stamps = recording.time[recording.judged]
+        bad = np.flatnonzero(~np.isfinite(residuals[at : at + len(stamps)]))
+        if len(bad):
+            return InputError(
+                f"{recording.name}: at t = {stamps[bad[0]]:.4g} s the model's ball has left all numbers, as on a beam that "
+                "turns by degrees within no time; check stamps and angles up to there"
+            )
+        at += len(stamps)
+    return None
 
 
 def _density(problem: Problem, hypothesis: Hypothesis, process_noise: float) -> float:

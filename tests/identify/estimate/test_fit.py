@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analytic.motion import FloatArray
+from harness.errors import InputError
 from harness.identify.estimate import fit as module
 from harness.identify.estimate import screening
 from harness.identify.estimate.covariance import with_interval_covariance
@@ -18,7 +19,9 @@ from harness.identify.estimate.fit import fit
 from harness.identify.estimate.screening import screen
 from harness.identify.filter import run as filter_run
 from harness.identify.filter.residuals import Residuals
+from harness.identify.pose import problem_of
 from harness.identify.problem.hypothesis import Hypothesis
+from harness.recording import load_case
 from tests.posed import Posed, pose
 
 TRUTHS = {
@@ -202,3 +205,16 @@ def test_a_fit_that_begins_near_its_end_takes_one_jacobian(plain: Posed, monkeyp
     # A deviance that has converged differs by less than this.
     assert abs(deviance - again()) < problem.settings.converged
     assert len(taken) > 1
+
+
+def test_a_beam_that_turns_within_no_time_is_told_by_file_and_place(tmp_path: Path) -> None:
+    """Say where the model's ball gets lost, on stamps that give the beam 200 rad/s, instead of a solver's words."""
+    generator = np.random.default_rng(1)
+    begins = np.repeat(0.3 * np.arange(60), 3)
+    time = begins + np.tile([0.0, 1e-4, 2e-4], 60)
+    angle = np.repeat(generator.uniform(-0.15, 0.15, 60), 3) + np.tile([0.0, 0.02, -0.02], 60)
+    position = 0.3 + 0.05 * np.sin(begins) + 2e-4 * generator.standard_normal(180)
+    rows, path = np.column_stack((time, angle, position)), tmp_path / "rec_01.csv"
+    np.savetxt(path, rows, "%.4f,%.5f,%.5f", header="time_s,beam_angle_rad,ball_position_m", comments="")
+    with pytest.raises(InputError, match=r"\Arec_01\.csv: at t = [\d.]+ s .* check stamps and angles"):
+        problem_of(load_case(path))
