@@ -227,8 +227,8 @@ def _diverging(problem: Problem, residuals: FloatArray) -> InputError | None:
         bad = np.flatnonzero(~np.isfinite(residuals[at : at + len(stamps)]))
         if len(bad):
             return InputError(
-                f"{recording.name}: at t = {stamps[bad[0]]:.4g} s the model's ball has left all numbers, as on a beam that "
-                "turns by degrees within no time; check stamps and angles up to there"
+                f"{recording.name}: at t = {stamps[bad[0]]:.4g} s the model's ball has left all numbers, as on a beam "
+                "that turns by degrees within no time; check stamps and angles up to there"
             )
         at += len(stamps)
     return None
