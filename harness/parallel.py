@@ -17,7 +17,7 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from harness.errors import HarnessError
-from harness.worker import Worker, WorkerEnded
+from harness.worker import Worker, WorkerEnded, signals_held_back
 
 T = TypeVar("T")
 Results = Callable[[], list[T]]
@@ -37,12 +37,14 @@ def side_by_side(
     They run sequentially for one worker, within a worker process, and on systems without a safe fork (Windows, macOS).
 
     Args:
-        jobs: functions whose results can be pickled; they need not be picklable themselves.
+        jobs: functions whose results can be pickled; they need not be picklable themselves. They must not begin
+            processes with `multiprocessing`.
         workers: largest number of processes.
         on_done: called after each job with the number of finished jobs.
 
     Raises:
-        HarnessError: a process ended during a job. Exceptions of a job are passed on.
+        HarnessError: a process ended during a job, or none can be started. Exceptions of a job are passed on, those
+            that no pickle carries as one of these.
     """
     with meanwhile(jobs, workers, on_done) as results:
         return results()
@@ -55,6 +57,9 @@ def meanwhile(
     """As `side_by_side`, but the jobs run while the block does; the function that it is given awaits the results.
 
     At the end of the block the processes are ended, whatever they do. No other process may be forked within it.
+
+    Raises:
+        HarnessError: no process can be started. The function raises what `side_by_side` does.
     """
     workers = min(workers, len(jobs))
     if workers < 2 or not can_fork():
@@ -64,18 +69,28 @@ def meanwhile(
     ended: SimpleQueue[_Ended] = SimpleQueue()
     began: list[Worker] = []
     hands_out = threading.Thread(target=_hand_out, args=(began, len(jobs), ended), daemon=True)
+
+    def end() -> None:
+        with signals_held_back():
+            for worker in began:
+                worker.process.kill()
+            if hands_out.is_alive():  # it reads from the pipes until then
+                hands_out.join()
+            for worker in began:
+                worker.end()
+
     try:
-        for _ in range(workers):
-            began.append(Worker.begun(lambda number: jobs[number](), fork=True))
-        hands_out.start()
+        with signals_held_back():
+            for _ in range(workers):
+                began.append(Worker.begun(lambda number: jobs[number](), fork=True))
+            hands_out.start()
         yield partial(_awaited, len(jobs), ended, on_done, {})
     finally:
-        for worker in began:
-            worker.process.kill()
-        if hands_out.is_alive():  # it reads from the pipes until then
-            hands_out.join()
-        for worker in began:
-            worker.end()
+        try:
+            end()
+        except BaseException:  # a signal, before they were held back
+            end()
+            raise
 
 
 def _one_by_one(jobs: Sequence[Callable[[], T]], on_done: Callable[[int], None]) -> list[T]:
@@ -107,12 +122,14 @@ def _hand_out(workers: Sequence[Worker], count: int, ended: SimpleQueue[_Ended])
                     ended.put((number, worker.answer(), None))
                 except WorkerEnded:
                     raise
-                except Exception as error:
+                except BaseException as error:
                     ended.put((number, None, error))
                 next_to(worker)
     except (WorkerEnded, OSError):  # the latter where a number cannot be sent any more
         text = "a process ended during its work; check that there is enough memory"
         ended.put((-1, None, HarnessError(text)))
+    except BaseException as error:  # whoever waits has to be told
+        ended.put((-1, None, error))
 
 
 def _awaited(

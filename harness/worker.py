@@ -13,9 +13,10 @@ import os
 import pickle
 import signal
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -36,7 +37,8 @@ class Worker:
     """A process, and the pipe to it.
 
     Attributes:
-        process: ends with its parent, on Linux even if that is killed; signals for the parent do not reach it.
+        process: a daemon, so that it starts none with `multiprocessing` itself. Ctrl-C does not end it; on Linux the
+            system kills it as soon as the thread ends in which it was begun.
         pipe: takes the argument of a job; `answer` says what came of it.
     """
 
@@ -60,7 +62,9 @@ class Worker:
             target=_work, args=(function, theirs, os.getpid(), ours if fork else None), daemon=True
         )
         try:
-            with _signals_held_back():
+            with signals_held_back():
+                if not fork:
+                    ensure_running()  # would be started meanwhile, and lets signals through at the end of that
                 process.start()
         except OSError as error:
             raise HarnessError(f"no further process can be started ({error.strerror}); use fewer of them") from error
@@ -72,13 +76,16 @@ class Worker:
         """The result of a job, once `pipe` is ready.
 
         Raises:
-            WorkerEnded: the process has ended. An exception of the job is passed on.
+            WorkerEnded: the process has ended. An exception of the job is passed on, with its place in the process in a
+                note; as a `HarnessError` if no pickle carries it.
         """
         try:
-            result, error = self.pipe.recv()
+            answer = self.pipe.recv_bytes()
         except (EOFError, OSError) as gone:
             raise WorkerEnded from gone
+        result, error, place = pickle.loads(answer)
         if error is not None:
+            error.add_note(place)
             raise error
         return result
 
@@ -90,20 +97,32 @@ class Worker:
 
 
 @contextmanager
-def _signals_held_back() -> Iterator[None]:
-    """Hold signals back; a process that starts meanwhile never gets Ctrl-C, not even while it imports what it needs.
+def signals_held_back() -> Iterator[None]:
+    """Hold SIGINT and SIGTERM back; what came meanwhile comes at the end. Processes begun meanwhile block both.
 
-    The parent handles interrupts, and gets one that came meanwhile at the end.
+    Nothing on Windows. A mask holds them back from its own thread only, and the system then gives them to another one,
+    for which Python would call the handler in the main thread all the same; there a handler notes them instead.
     """
     if sys.platform == "win32":
         yield
         return
-    ensure_running()  # which else would be started meanwhile, and lets signals through at the end of that
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
-    try:
+    came: list[int] = []
+    both = (signal.SIGINT, signal.SIGTERM)
+    with ExitStack() as at_end:
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, both)
+        if threading.current_thread() is threading.main_thread():
+            at_end.callback(_raise_all, came)
+            for number in both:
+                if (handler := signal.getsignal(number)) is not None:
+                    signal.signal(number, lambda received, _: came.append(received))
+                    at_end.callback(signal.signal, number, handler)
+        at_end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, mask)
         yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _raise_all(numbers: list[int]) -> None:
+    for number in numbers:
+        signal.raise_signal(number)
 
 
 def _work(function: Callable[[Any], Any], pipe: Connection, parent: int, others_end: Connection | None) -> None:
@@ -125,23 +144,27 @@ def _work(function: Callable[[Any], Any], pipe: Connection, parent: int, others_
         others_end.close()
     while True:
         try:
-            argument = pipe.recv()
+            argument = pipe.recv_bytes()
         except EOFError:
             return
         try:
-            pipe.send((function(argument), None))  # pickled as a whole before the first byte is sent
-        except Exception as error:
-            pipe.send((None, _picklable(error)))
+            answer = pickle.dumps((function(pickle.loads(argument)), None, ""))
+        except BaseException as error:  # an exit, too, is the parent's to make
+            answer = _as_answer(error)
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()  # the process may be killed from here on
+        pipe.send_bytes(answer)
 
 
-def _picklable(error: Exception) -> Exception:
-    """The error with its place here in a note, which a process cannot send otherwise."""
-    error.add_note("".join(traceback.format_exception(error)))
+def _as_answer(error: BaseException) -> bytes:
+    """The error, and its place here, which the parent could not tell."""
+    place = "".join(traceback.format_exception(error))
     try:
-        pickle.loads(pickle.dumps(error))
+        answer = pickle.dumps((None, error, place))
+        pickle.loads(answer)
     except Exception:
-        return HarnessError(f"{type(error).__name__}: {error}")
-    return error
+        return pickle.dumps((None, HarnessError(f"{type(error).__name__}: {error}"), place))
+    return answer
 
 
 def _end_with(parent: int) -> None:

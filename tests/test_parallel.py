@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -114,18 +115,50 @@ def test_a_process_that_dies_is_told() -> None:
 
 
 def test_an_error_of_the_parent_ends_the_jobs() -> None:
-    """Wait for no job that has not begun when the block fails."""
-    done = multiprocessing.Value("i", 0)
+    """End the jobs that run, and begin no other, when the block fails."""
+    done = multiprocessing.RawValue("i", 0)  # without a lock, which a process that is ended would keep
 
     def job() -> None:
         time.sleep(0.2)
-        with done.get_lock():
-            done.value += 1
+        done.value = 1
 
     with pytest.raises(InputError), meanwhile([job] * 20, 2):
         raise InputError("elsewhere")
-    # Two that run and, in their queue, three more; twice as many would mean that the queue is longer than that.
-    assert done.value < 10
+    time.sleep(0.3)
+    assert done.value == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="there are no forked processes elsewhere")
+@pytest.mark.parametrize("beside", [False, True])
+def test_an_interrupt_at_any_instant_leaves_no_process(beside: bool) -> None:
+    """End all processes whenever Ctrl-C comes, also where the system gives it to another thread than the main one."""
+    script = (
+        "import multiprocessing, os, signal, threading, time\n"
+        "from harness.parallel import side_by_side\n"
+        f"beside = {beside}\n"
+        "if beside:\n    threading.Thread(target=time.sleep, args=(60,), daemon=True).start()\n"
+        "me, left = os.getpid(), []\n"
+        "children = lambda: open(f'/proc/{me}/task/{me}/children').read().split()\n"
+        "for after in range(0, 30):\n"
+        "    timer = threading.Timer(5e-4 * after, os.kill, (me, signal.SIGINT))\n"
+        "    try:\n        timer.start()\n        side_by_side([lambda: time.sleep(60)] * 2, 2)\n"
+        "    except KeyboardInterrupt as interrupt:\n        kept = interrupt\n"
+        "    left += children()\n"
+        "print(len(left))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120)
+    assert (done.stdout, done.stderr) == ("0\n", "")
+
+
+@pytest.mark.parametrize("error", [SystemExit(3), MemoryError("full")])
+def test_what_is_no_usual_exception_is_passed_on_too(error: BaseException) -> None:
+    """Raise what ends the job, and take it for no death of its process."""
+
+    def bad() -> int:
+        raise error
+
+    with pytest.raises(type(error)):
+        side_by_side([bad, late(1)], 2)
 
 
 def _within(results: multiprocessing.SimpleQueue[bool]) -> None:

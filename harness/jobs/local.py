@@ -17,7 +17,7 @@ from typing import Any
 
 from harness.jobs.interface import ATTEMPTS, DIED, TIME_LIMIT, A, Lost, T, lost
 from harness.jobs.threads import single_threaded
-from harness.worker import Worker, WorkerEnded
+from harness.worker import Worker, WorkerEnded, signals_held_back
 
 _STARTING = 60.0  # for a new process to import what the function needs, beside the time limit of its first job [s]
 _JOBS = 64  # of a process: what compiled code does not give back stays bounded (MuJoCo: some 35 kB a run)
@@ -72,8 +72,9 @@ class Local:
                         worker.end()
                     yield index, result
         finally:
-            for worker in workers:
-                worker.end()
+            with signals_held_back():
+                for worker in workers:
+                    worker.end()
 
     def _hand_out(
         self,
@@ -90,7 +91,7 @@ class Local:
                 return
             worker = next((one for one in workers if not one.busy), None)
             if worker is None:
-                with single_threaded():
+                with single_threaded(), signals_held_back():
                     workers.append(worker := _Worker.begun(function))
             worker.index, worker.argument, worker.attempt = task
             if time_limit is not None:

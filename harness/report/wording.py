@@ -198,9 +198,14 @@ def _fitted_to_forecasts(diagnosis: Diagnosis) -> str:
         return ""
     without, fitted = error_size(compared.rms(AFTER)), error_size(compared.rms(FORECASTS))
     common = diagnosis.forecasting is not None and diagnosis.forecasting.hypothesis != diagnosis.found.hypothesis
-    alone = "parameters" if diagnosis.found.hypothesis.size(diagnosis.problem) else "a process noise"
-    what = "all effects that are common on measured rigs, together" if common else alone
+    what = "all effects that are common on measured rigs, together" if common else fitted_numbers(diagnosis)
     return f"; predictions use {what} fitted to forecasts ({fitted} over held-out blocks, {without} without)"
+
+
+def fitted_numbers(diagnosis: Diagnosis) -> str:
+    """What is fitted to forecasts, process noise in any case."""
+    fitted = diagnosis.forecasting
+    return "a process noise" if fitted is not None and not len(fitted.theta) else "parameters"
 
 
 def _as_good(diagnosis: Diagnosis) -> str:

@@ -15,8 +15,9 @@ _LEAST = 1e-13  # of what is left of a variance, over that variance: no less tha
 
 @njit(cache=True)
 def root_of(covariance: FloatArray, L: FloatArray, first: int) -> None:
-    """Triangular root of a covariance whose entries span decades, into L from row and column `first` on.
+    """Triangular root of a covariance whose entries span decades, shape (m, m), into L from row and column `first` on.
 
+    What lies above the diagonal stays; the diagonal has zeros where nothing is left of a variance.
     By Cholesky's factor in the order of the rows. Where numbers depend on each other nearly linearly, as those of an
     angle behind a servo, a hold and a lag do, that would grow without bound; it is then taken in the order of what is
     left of each variance, until that is rounding (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.,

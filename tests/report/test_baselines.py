@@ -57,7 +57,7 @@ def test_black_boxes_are_called_so():
 def test_parameters_for_predictions_have_a_row():
     """Give the error of parameters fitted to forecasts beside that of those found, and compare what predicts."""
     rows = _table(BaselineComparison({BEFORE: 2.0 * ONE, AFTER: ONE, FORECASTS: 0.5 * ONE} | WORSE_BASELINES)).rows
-    assert rows[2].cells[0] == "parameters fitted to forecasts, for predictions alone"
+    assert rows[2].cells[0] == "fitted to forecasts, for predictions alone"
     assert [row.kind == "best" for row in rows] == [False, False, True, *[False] * len(BASELINES)]
     gain = 1e3 * (rms(3.0 * ONE) - rms(0.5 * ONE))
     assert rows[3].cells[3] == number(gain, 3)

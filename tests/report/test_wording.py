@@ -159,6 +159,10 @@ def test_parameters_for_predictions_are_told(
     assert (
         "; predictions use all effects that are common on measured rigs, together fitted to forecasts (30.0 mm" in text
     )
+    text = said(
+        plain, verdict, findings, baselines=BaselineComparison(errors), common=tuple(one.name for one in findings)
+    )
+    assert "; predictions use a process noise fitted to forecasts (30.0 mm" in text
     worse = errors | {"at_rest": np.full(5, 0.02)}
     text = said(plain, Verdict.EFFECT, (ROLLING,), baselines=BaselineComparison(worse))
     assert text.endswith("40.0 mm without); but a ball at rest predicts better (20.0 mm).")

@@ -20,7 +20,7 @@ from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.screening import INSIDE
 from harness.identify.estimate.soft_l1 import sandwich_covariance, scale_of, weights
 from harness.identify.estimate.travel import ANYWHERE
-from harness.identify.estimate.window_errors import DENSITIES, forecast_errors
+from harness.identify.estimate.window_errors import DENSITIES, forecast_errors, tuned_to_windows
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import Window
 
@@ -33,12 +33,14 @@ def fit_forecasts(problem: Problem, begin: Fit, windows: Sequence[Window]) -> Fi
     """The hypothesis of `begin`, its parameters and process noise fitted to forecasts of `windows`.
 
     The loss is the soft L1, with c of the errors that `begin` makes. A hypothesis without parameters gets the process
-    noise alone.
+    noise alone, which begins at the best of a grid: where a sensor's steps are followed closely is a local minimum.
 
     Args:
         begin: a fit without a spline term, and without values that recordings have of their own.
     """
     begin = replace(begin, travel=ANYWHERE, forecast_errors=())  # predictions that are kept at an end tell no slope
+    if not len(begin.theta):
+        begin = tuned_to_windows(problem, begin, windows)
     hypothesis = begin.hypothesis
     lowest, highest = np.log10(DENSITIES[[0, -1]])
     low, high = hypothesis.bounds(problem)

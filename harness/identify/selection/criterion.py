@@ -208,10 +208,10 @@ class Criterion:
         return kept, text
 
     def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
-        """The best candidate is kept if it surely reduces the held-out error, and would not be pruned at once."""
+        """The best candidate is kept if it surely reduces the held-out error, and is worth its strength."""
         kept, text = self._held_out(tried, against, gain, evidence)
-        if kept and not self.worth_its_strength(tried, against):
-            return False, f"{text}, {_MAY_BE_NONE}"
+        if gain > 0.0 and self.reduction(tried, against, evidence.tests).sure:
+            return (kept, text) if self.worth_its_strength(tried, against) else (False, f"{text}, {_MAY_BE_NONE}")
         return kept, text
 
     def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:

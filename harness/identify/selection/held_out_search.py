@@ -69,9 +69,10 @@ def search_by_held_out_errors(
     while True:
         best = search.pruned(best)  # before each addition, too: what is idle takes the place of what is not
         effects = frozenset(selected_effects(problem, best))
-        # Fits from other values may end elsewhere, so that what an addition led to is pruned to what there was.
-        full = len(effects) >= problem.settings.max_effects or effects in extended
-        further = None if full else search.extended(best)
+        # What an addition led to may be pruned to what there was: fits from other values may end elsewhere, and what
+        # was added may have been exchanged for something that is not kept.
+        ends = len(effects) >= problem.settings.max_effects or effects in extended
+        further = None if ends else search.extended(best)
         if further is None:
             return plain, best
         extended.add(effects)

@@ -11,8 +11,6 @@ from harness.identify.estimate.fit import Estimator, Fit
 from harness.identify.estimate.forecast_fit import fit_forecasts
 from harness.identify.estimate.free_run_fit import fit_free_runs
 from harness.identify.estimate.predictions import as_predicted
-from harness.identify.estimate.travel import ANYWHERE
-from harness.identify.estimate.window_errors import tuned_to_windows
 from harness.identify.problem.hypothesis import Hypothesis
 from harness.identify.problem.problem import Problem
 from harness.identify.problem.windows import fitted_windows
@@ -59,8 +57,6 @@ def fitted_to_forecasts(problem: Problem, found: Fit, progress: Progress = silen
     begin = found
     if hypothesis != found.hypothesis:
         begin = fit_free_runs(problem, hypothesis, windows, initial=found.values()).fit
-    elif found.estimator is Estimator.LIKELIHOOD:  # whose process noise may lie in another minimum of these errors
-        begin = tuned_to_windows(problem, replace(found, travel=ANYWHERE), windows)
     whole = fit_forecasts(problem, begin, windows)
     if not np.all(np.isfinite(whole.covariance)):
         return None

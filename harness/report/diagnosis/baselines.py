@@ -16,12 +16,12 @@ from harness.identify.validation.baseline_comparison import (
 from harness.report.diagnosis.account import FOUND, MODEL, Account
 from harness.report.page import Section
 from harness.report.tables import Column, Row, Table, texts
-from harness.report.wording import words
+from harness.report.wording import fitted_numbers, words
 
 TITLES: Mapping[str, str] = {
     BEFORE: MODEL.label,
     AFTER: FOUND.label,
-    FORECASTS: "parameters fitted to forecasts, for predictions alone",
+    FORECASTS: "fitted to forecasts, for predictions alone",
     "at_rest": "ball at rest",
     "constant_velocity": "ball at constant velocity",
     "double_integrator": "double integrator, s̈ = k (α + α₀)",
@@ -41,6 +41,7 @@ def section(account: Account) -> Section | None:
         "worse": compared.rms(AFTER) > compared.rms(BEFORE),
         "tried": FORECASTS in compared.errors,
         "used": compared.predicting == FORECASTS,
+        "fitted": fitted_numbers(account.diagnosis),
         "found": bool(account.diagnosis.effects),
         "common": [words(name) for name in _common(account)],
         "known": brief(KNOWN),

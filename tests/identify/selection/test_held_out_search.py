@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analytic.effects import acting
 from harness.identify.estimate.cross_validation import cross_validated
 from harness.identify.estimate.fit import Estimator, Fit, fit
 from harness.identify.estimate.free_run_fit import fit_free_runs
@@ -19,6 +20,7 @@ from harness.identify.selection.decision import Rule
 from harness.identify.selection.held_out_search import _Search, search_by_held_out_errors
 from harness.identify.selection.ledger import Ledger
 from tests.coloured import with_coloured_readings
+from tests.identify.selection.test_held_out_criterion import free
 from tests.posed import pose
 
 HIDDEN = {"rolling_resistance": {"coefficient": 0.006}, "channel_delay": {"delay": 0.05}}
@@ -69,6 +71,36 @@ def test_an_idle_effect_gives_its_place_to_one_that_acts(pair: Problem, monkeypa
     _, found, _ = searched(problem, fit(problem, Hypothesis(())), plain)
     assert "quadratic_drag" not in found.hypothesis.names
     assert len(found.hypothesis.names) == 2
+
+
+@pytest.mark.timeout(120)
+def test_a_search_that_comes_back_to_a_set_ends(pair: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """End where what an addition led to is pruned again to the set that was there before it."""
+    plain, one, two = free(1.0), free(0.8, "level_error"), free(0.5, "level_error", "track_bump")
+    monkeypatch.setattr(_Search, "jointly", lambda search, *_: (plain, one))
+    monkeypatch.setattr(_Search, "exchanged", lambda _, best: best)
+    monkeypatch.setattr(_Search, "pruned", lambda _, best: one)
+    monkeypatch.setattr(_Search, "extended", lambda _, best: two)
+    base = fit(pair, Hypothesis(()))
+    _, found, _ = searched(pair, base, base)
+    assert found is one
+
+
+def test_a_weak_effect_does_not_keep_another_from_being_added(pair: Problem) -> None:
+    """Add the best of what is surely of some strength, beside something better that may be none, and say why."""
+    base, strong = free(1.0), free(0.88, "viscous_damping")
+    weak = free(0.85, "level_error")
+    weak = replace(
+        weak,
+        terms=replace(weak.terms, effects=(acting("level_error", {"angle": 0.01}),)),
+        covariance=np.array([[1e-4]]),
+    )
+    ledger = Ledger(Criterion(pair.settings))
+    kept = _Search(pair, ledger, lambda _: None)._decided(Rule.EXTEND, [strong, weak], base, tests=2)
+    assert kept is strong
+    because = {line.effects: line.because for line in ledger.lines}
+    assert "strength may be none" in because["level_error",]
+    assert "strength may be none" not in because["viscous_damping",]
 
 
 @pytest.mark.slow
