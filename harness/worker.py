@@ -16,7 +16,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -108,15 +108,17 @@ def signals_held_back() -> Iterator[None]:
         return
     came: list[int] = []
     both = (signal.SIGINT, signal.SIGTERM)
-    with ExitStack() as at_end:
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, both)
+    with ExitStack() as at_end:  # backwards; each is entered before what it undoes, as a signal may come between
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+        at_end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, mask)
+        signal.pthread_sigmask(signal.SIG_BLOCK, both)
         if threading.current_thread() is threading.main_thread():
             at_end.callback(_raise_all, came)
             for number in both:
                 if (handler := signal.getsignal(number)) is not None:
-                    signal.signal(number, lambda received, _: came.append(received))
                     at_end.callback(signal.signal, number, handler)
-        at_end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, mask)
+                    signal.signal(number, lambda received, _: came.append(received))
+        at_end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, mask)  # while what comes is noted
         yield
 
 
@@ -151,8 +153,8 @@ def _work(function: Callable[[Any], Any], pipe: Connection, parent: int, others_
             answer = pickle.dumps((function(pickle.loads(argument)), None, ""))
         except BaseException as error:  # an exit, too, is the parent's to make
             answer = _as_answer(error)
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()  # the process may be killed from here on
+        with suppress(AttributeError, OSError, ValueError):  # there is none, or nobody reads it any more
+            sys.stdout.flush()  # the process may be killed from here on
         pipe.send_bytes(answer)
 
 
