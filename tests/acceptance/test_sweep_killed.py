@@ -27,7 +27,7 @@ friction = {{ low = 0.2, high = 0.5 }}
 """
 # Half of the kills come before the first row, while modules are still imported, the others while rows are written: some
 # seconds of them altogether, less than the sweep's minute.
-AMID = 2.5  # at most, after a row of its own [s]
+AMID = 1.5  # at most, after a row of its own [s]
 LONGEST = 120.0  # to the first row, on a busy machine [s]
 
 
@@ -54,10 +54,10 @@ def rows(folder: Path, out: str) -> tuple[int, int]:
     return newest
 
 
-def wait_for_a_row(folder: Path, out: str) -> float:
-    """Wait until the sweep that was just begun keeps a row; how long that took [s]."""
+def wait_for_a_row(sweep: subprocess.Popen[bytes], folder: Path, out: str) -> float:
+    """Wait until the sweep that was just begun keeps a row, or has none left and ends; how long that took [s]."""
     begin, before = time.monotonic(), rows(folder, out)
-    while rows(folder, out) <= before:
+    while rows(folder, out) <= before and sweep.poll() is None:
         assert time.monotonic() < begin + LONGEST
         time.sleep(0.01)
     return time.monotonic() - begin
@@ -65,18 +65,23 @@ def wait_for_a_row(folder: Path, out: str) -> float:
 
 @pytest.mark.slow
 def test_a_sweep_killed_at_random_comes_out_whole(tmp_path: Path) -> None:
-    """Have each of 4096 runs once, and all as of a sweep nobody disturbed, after 20 kills at random instants."""
+    """Have each of 4096 runs once, and all as of a sweep nobody disturbed, after up to 20 kills at random instants."""
     write_short_case(tmp_path / "rig", duration=1.5)
     (tmp_path / "sweep.toml").write_text(SPEC, encoding="utf-8")
     generator = np.random.default_rng(2026)
-    first = LONGEST
+    first, kills = LONGEST, 0
     for number in range(KILLS):
         sweep = begun(tmp_path, "killed")
         if number % 2 == 0:
-            first = min(first, wait_for_a_row(tmp_path, "killed"))
-        with pytest.raises(subprocess.TimeoutExpired):
+            first = min(first, wait_for_a_row(sweep, tmp_path, "killed"))
+        try:
             sweep.wait(timeout=generator.uniform(0.0, first if number % 2 else AMID))
-        kill(sweep)
+        except subprocess.TimeoutExpired:
+            kill(sweep)
+            kills += 1
+        else:  # on a fast machine, all are kept by then
+            break
+    assert kills >= KILLS // 2
 
     for out in ("killed", "whole"):
         assert begun(tmp_path, out).wait(timeout=500.0) == 0
