@@ -86,7 +86,7 @@ def test_an_error_that_cannot_be_sent_is_told() -> None:
 
 
 def _bytes_read() -> int:
-    """By this process since it began."""
+    """By this process since it began [bytes]."""
     return int(Path("/proc/self/io").read_text(encoding="utf-8").split()[1])
 
 
@@ -133,7 +133,7 @@ def test_an_error_of_the_parent_ends_the_jobs() -> None:
 def test_an_interrupt_at_any_instant_leaves_no_process(beside: bool) -> None:
     """End all processes whenever Ctrl-C comes, also where the system gives it to another thread than the main one."""
     script = (
-        "import multiprocessing, os, signal, threading, time\n"
+        "import os, signal, threading, time\n"
         "from harness.parallel import side_by_side\n"
         f"beside = {beside}\n"
         "if beside:\n    threading.Thread(target=time.sleep, args=(60,), daemon=True).start()\n"

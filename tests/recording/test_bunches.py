@@ -25,11 +25,11 @@ def written(path: Path, stamps: FloatArray, taken: FloatArray = TIME, noise: flo
     return path
 
 
-def in_bunches(size: int, tick: float = TICK) -> FloatArray:
+def in_bunches(size: int, tick: float = TICK, taken: FloatArray = TIME) -> FloatArray:
     """Stamps of readings that are fetched `size` at once, a tick apart, when the last of them is there, shape (n,)."""
-    order = np.arange(TIME.size)
-    last = np.minimum((order // size + 1) * size, TIME.size) - 1
-    stamps: FloatArray = TIME[last] - (last - order) * tick
+    order = np.arange(taken.size)
+    last = np.minimum((order // size + 1) * size, taken.size) - 1
+    stamps: FloatArray = taken[last] - (last - order) * tick
     return stamps
 
 
@@ -54,12 +54,10 @@ def test_bunches_are_told_by_the_few_readings_of_a_slow_rig(tmp_path: Path, seed
     """Spread three readings each at 10 Hz, of a ball that rests, and then moves a few centimetres at once."""
     generator = np.random.default_rng(seed)
     taken = 0.1 * np.arange(159)
-    last = np.minimum((np.arange(taken.size) // 3 + 1) * 3, taken.size) - 1
-    stamps = taken[last] - (last - np.arange(taken.size)) * TICK
     angle = 0.02 * np.sin(3.0 * taken) + 0.02 * np.sin(1.1 * taken + seed)
     moved = np.cumsum(generator.uniform(size=taken.size) < 0.1)  # and rests between
     position = 0.3 + 0.05 * np.sin(0.6 * moved) + 5e-4 * generator.standard_normal(taken.size)
-    rows = np.column_stack((stamps, angle, position))
+    rows = np.column_stack((in_bunches(3, taken=taken), angle, position))
     path = tmp_path / "rec.csv"
     np.savetxt(path, rows, "%.4f,%.5f,%.5f", header="time_s,beam_angle_rad,ball_position_m", comments="")
     assert np.abs(load_recording(path).time - taken).max() < 2.0 * TICK

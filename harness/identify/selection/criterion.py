@@ -210,9 +210,8 @@ class Criterion:
     def _extend(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """The best candidate is kept if it surely reduces the held-out error, and is worth its strength."""
         kept, text = self._held_out(tried, against, gain, evidence)
-        if gain > 0.0 and self.reduction(tried, against, evidence.tests).sure:
-            return (kept, text) if self.worth_its_strength(tried, against) else (False, f"{text}, {_MAY_BE_NONE}")
-        return kept, text
+        weak = gain > 0.0 and not self.worth_its_strength(tried, against)
+        return kept and not weak, f"{text}, {_MAY_BE_NONE}" if weak else text
 
     def _validate(self, tried: Fit, against: Fit, gain: float, evidence: Evidence) -> tuple[bool, str]:
         """What was selected is kept unless held-out blocks are predicted worse with it."""
